@@ -2,35 +2,35 @@
 
 use counterpoint_proto::v1;
 
-use crate::arguments::Admin;
-use crate::client::Client;
+use crate::arguments::AdminCommand;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::job_status::awaited;
 use crate::say;
 use crate::text::table;
 
 /// Executes a command; returns the exit code.
-pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
-    let (Admin::Connections(at)
-    | Admin::Streams(at)
-    | Admin::Workers(at)
-    | Admin::Drain(at)
-    | Admin::Collect(at)
-    | Admin::Compact(at)) = &command;
-    let client = Client::connect(&at.remote.server).await?;
+pub(crate) async fn dispatch(command: AdminCommand) -> Result<u8, Error> {
+    let (AdminCommand::Connections(at)
+    | AdminCommand::Streams(at)
+    | AdminCommand::Workers(at)
+    | AdminCommand::Drain(at)
+    | AdminCommand::Collect(at)
+    | AdminCommand::Compact(at)) = &command;
+    let client = ServerSession::connect(&at.remote.server).await?;
     let text = match command {
-        Admin::Connections(_) => connections(&client).await?,
-        Admin::Streams(_) => streams(&client).await?,
-        Admin::Workers(_) => workers(&client).await?,
-        Admin::Drain(_) => {
+        AdminCommand::Connections(_) => connections(&client).await?,
+        AdminCommand::Streams(_) => streams(&client).await?,
+        AdminCommand::Workers(_) => workers(&client).await?,
+        AdminCommand::Drain(_) => {
             let answer = client.admin().drain(v1::DrainRequest {}).await?.into_inner();
             drained(answer.running, answer.grace_s)
         }
-        Admin::Collect(_) => {
+        AdminCommand::Collect(_) => {
             let answer = client.admin().collect(v1::CollectRequest {}).await?.into_inner();
             format!("removed {} jobs, {} blobs\n", answer.jobs, answer.blobs)
         }
-        Admin::Compact(_) => {
+        AdminCommand::Compact(_) => {
             let answer = client.admin().compact_ledger(v1::CompactLedgerRequest {}).await?.into_inner();
             let v1::CompactLedgerResponse { before_bytes, after_bytes, waited_ms } = answer;
             if after_bytes < before_bytes {
@@ -55,7 +55,7 @@ fn rows(head: &[&str], rows: impl Iterator<Item = Vec<String>>, left: usize) -> 
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>(), left)
 }
 
-async fn connections(client: &Client) -> Result<String, Error> {
+async fn connections(client: &ServerSession) -> Result<String, Error> {
     let (mut all, mut request) = (Vec::new(), v1::ListConnectionsRequest::default());
     loop {
         let page = client.admin().list_connections(request.clone()).await?.into_inner();
@@ -72,7 +72,7 @@ async fn connections(client: &Client) -> Result<String, Error> {
     Ok(rows(&head, all.into_iter().map(row), 3))
 }
 
-async fn streams(client: &Client) -> Result<String, Error> {
+async fn streams(client: &ServerSession) -> Result<String, Error> {
     let answer = client.admin().list_streams(v1::ListStreamsRequest {}).await?.into_inner();
     let row = |s: v1::StreamInfo| {
         vec![s.job_id, s.tenant, s.number.to_string(), s.position.to_string(), s.behind.to_string()]
@@ -80,7 +80,7 @@ async fn streams(client: &Client) -> Result<String, Error> {
     Ok(rows(&["job", "tenant", "number", "position", "behind"], answer.streams.into_iter().map(row), 2))
 }
 
-async fn workers(client: &Client) -> Result<String, Error> {
+async fn workers(client: &ServerSession) -> Result<String, Error> {
     let answer = client.admin().list_workers(v1::ListWorkersRequest {}).await?.into_inner();
     let running = answer.workers.len();
     let alone = answer.workers.iter().filter(|worker| worker.suspect);

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use counterpoint_kernel::log::analysis::{Analysis, WhatIf};
-use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
+use counterpoint_kernel::log::summary::{ChannelState, JobOutcome, Summary};
 use serde::Serialize;
 
-use crate::arguments::{Analyse, Format, ResultKind};
-use crate::client::Client;
+use crate::arguments::{Analyse, OutputFormat, ResultKind};
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::say::{self, BAD, DIM, styled};
 use crate::text::{more, table, time};
@@ -19,15 +19,15 @@ const ROWS: usize = 20;
 
 /// A question of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Question {
+struct WhatIfQuestion {
     channel: u16,
     faster_ns: i64,
 }
 
 /// The answer as JSON.
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
-    state: State,
+struct AnalysisReport<'a> {
+    state: JobOutcome,
     makespan_ns: i64,
     analysis: &'a Analysis,
     what_if: &'a [WhatIf],
@@ -43,7 +43,7 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     let ran = summary.channels.iter().filter(|channel| channel.state != ChannelState::NotStarted);
     let ends: Vec<(u16, i64)> = ran.map(|channel| (channel.channel, channel.end_ns)).collect();
     let mut what_if = Vec::new();
-    for Question { channel, faster_ns } in questions {
+    for WhatIfQuestion { channel, faster_ns } in questions {
         what_if.push(WhatIf::of(&ends, &summary.waits, channel, faster_ns).ok_or_else(|| {
             let all: Vec<String> = ends.iter().map(|(channel, _)| channel.to_string()).collect();
             Error::Usage(format!(
@@ -56,13 +56,14 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     let races = summary.analysis.races.clone();
     let analysis = &Analysis { races, ..Analysis::of(&ends, &summary.waits) };
     if arguments.json {
-        let answer = Answer { state: summary.state, makespan_ns: summary.makespan_ns, analysis, what_if: &what_if };
+        let answer =
+            AnalysisReport { state: summary.state, makespan_ns: summary.makespan_ns, analysis, what_if: &what_if };
         let json = serde_json::to_string_pretty(&answer).map_err(|error| Error::Usage(error.to_string()))?;
         say::line(&json)?;
     } else {
         say::data(shown(&summary, analysis, &what_if).as_bytes())?;
     }
-    Ok(u8::from(summary.state != State::Succeeded))
+    Ok(u8::from(summary.state != JobOutcome::Succeeded))
 }
 
 /// The name of the argument in messages.
@@ -90,13 +91,13 @@ async fn summary(arguments: &Analyse) -> Result<Vec<u8>, Error> {
         }
         other => other,
     };
-    let client = Client::connect(&arguments.remote.server).await.map_err(about)?;
+    let client = ServerSession::connect(&arguments.remote.server).await.map_err(about)?;
     let job = job_names::whole(&client, &arguments.of).await.map_err(about)?;
-    results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await.map_err(about)
+    results::whole(&client, &job, ResultKind::Summary, 0, OutputFormat::Json.into()).await.map_err(about)
 }
 
 /// `2:2.5s`: channel, and how much faster it works. A minus sign means the same, a plus sign slower.
-fn question(text: &str) -> Result<Question, Error> {
+fn question(text: &str) -> Result<WhatIfQuestion, Error> {
     let wrong =
         || Error::Usage(format!("'{text}' is not a channel and a time: write 2:-2.5s if channel 2 works 2.5 s faster"));
     let (channel, change) = text.split_once(':').ok_or_else(wrong)?;
@@ -111,7 +112,7 @@ fn question(text: &str) -> Result<Question, Error> {
         units.iter().find_map(|(name, ns)| Some((size.strip_suffix(name)?, *ns))).unwrap_or((size, 1e9));
     let ns = number.trim().parse::<f64>().ok().map(|value| value * unit);
     let ns = ns.filter(|ns| (0.0..=1e18).contains(ns)).ok_or_else(wrong)?.round() as i64;
-    Ok(Question { channel, faster_ns: if slower { -ns } else { ns } })
+    Ok(WhatIfQuestion { channel, faster_ns: if slower { -ns } else { ns } })
 }
 
 fn shown(summary: &Summary, analysis: &Analysis, what_if: &[WhatIf]) -> String {
@@ -121,8 +122,8 @@ fn shown(summary: &Summary, analysis: &Analysis, what_if: &[WhatIf]) -> String {
     };
     let row = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
     let mut out = String::new();
-    if summary.state != State::Succeeded {
-        let state = if summary.state == State::Failed { "FAILED" } else { "CANCELLED" };
+    if summary.state != JobOutcome::Succeeded {
+        let state = if summary.state == JobOutcome::Failed { "FAILED" } else { "CANCELLED" };
         let _ = writeln!(out, "{}: the analysis ends where the channels stopped", styled(BAD, state));
     }
     let _ = writeln!(out, "cycle time {}\n", time(summary.makespan_ns));

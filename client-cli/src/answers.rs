@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use counterpoint_kernel::dialog::answers::{Answer, Value};
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
 use counterpoint_proto::v1;
 use serde::Deserialize;
 
@@ -14,26 +14,26 @@ use crate::standard_input;
 /// The file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    answers: Vec<Answer>,
+struct AnswerFile {
+    answers: Vec<DialogAnswer>,
 }
 
 /// Reads a file of answers.
 pub(crate) fn read(path: &Path) -> Result<Vec<v1::DialogAnswer>, Error> {
     standard_input::refuse("--answers", path)?;
     let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
-    let file: File =
+    let file: AnswerFile =
         toml::from_str(&text).map_err(|error| Error::Usage(format!("{}: {}", path.display(), error.message())))?;
     Ok(file.answers.into_iter().map(wire).collect())
 }
 
-fn wire(answer: Answer) -> v1::DialogAnswer {
+fn wire(answer: DialogAnswer) -> v1::DialogAnswer {
     use v1::dialog_value::Value as Wire;
-    let value = |value: Value| v1::DialogValue {
+    let value = |value: DialogValue| v1::DialogValue {
         value: Some(match value {
-            Value::Flag(flag) => Wire::Flag(flag),
-            Value::Number(number) => Wire::Number(number),
-            Value::Text(text) => Wire::Text(text),
+            DialogValue::Flag(flag) => Wire::Flag(flag),
+            DialogValue::Number(number) => Wire::Number(number),
+            DialogValue::Text(text) => Wire::Text(text),
         }),
     };
     v1::DialogAnswer {

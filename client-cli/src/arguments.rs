@@ -15,10 +15,13 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
 pub(crate) use elsewhere::with_similar_command;
-pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
-pub(crate) use jobs::{JobFilter, Jobs, Many, NAME, Priority, RequestArgs, Rerun, State, Status, Wait, Watch, When};
+pub(crate) use inputs::{Inputs, On, ProgramFiles, RaceCheck, SkipLevels, Switches, Timing};
+pub(crate) use jobs::{
+    JobFilter, JobListArgs, JobPriority, Many, NAME, RequestArgs, Rerun, StateFilter, StatusArgs, TimePoint, WaitArgs,
+    WatchArgs,
+};
 pub(crate) use lint::Lint;
-pub(crate) use machines::{Machine, Part, Rows};
+pub(crate) use machines::{MachineCommand, MachinePart, RowSelection};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -98,16 +101,16 @@ Examples:
 /// Runs NC programs as the control would, block by block, all channels in parallel
 #[derive(Debug, Parser)]
 #[command(name = "counterpoint", version, after_help = EXAMPLES)]
-pub(crate) struct Arguments {
+pub(crate) struct CliArgs {
     #[command(subcommand)]
-    pub(crate) command: Command,
+    pub(crate) command: CliCommand,
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Command {
+pub(crate) enum CliCommand {
     /// Run programs in this process and print a report
     #[command(after_help = RUN_EXAMPLES)]
-    Run(Run),
+    Run(RunArgs),
     /// Check the waits, calls and jumps of programs without running them
     #[command(after_help = LINT_EXAMPLES)]
     Lint(Lint),
@@ -116,18 +119,18 @@ pub(crate) enum Command {
     Submit(Submit),
     /// Follow a job to its end, or with --all the states of all jobs
     #[command(after_help = WATCH_EXAMPLES)]
-    Watch(Watch),
+    Watch(WatchArgs),
     /// Answer the dialogs of a job submitted with --attend
     Attend(Follow),
     /// Step through a job submitted with --step, with the commands of `run --step`
     Step(Follow),
     /// Wait until jobs have ended: the named jobs, or all that a filter selects
-    Wait(Wait),
+    Wait(WaitArgs),
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
-    Jobs(Jobs),
+    Jobs(JobListArgs),
     /// Show the known data of a job: state, machine, labels, times, verdict
-    Status(Status),
+    Status(StatusArgs),
     /// Run a job again with its files, options and machine revision; print the new job's id
     Rerun(Rerun),
     /// Cancel a job, or all jobs that a filter selects
@@ -144,16 +147,16 @@ pub(crate) enum Command {
     Result(ResultArgs),
     /// Administer a server (needs the role admin)
     #[command(subcommand)]
-    Admin(Admin),
+    Admin(AdminCommand),
     /// Put load on a server and report rates, latencies and errors
     #[command(after_help = LOAD_EXAMPLES)]
-    Load(crate::load::arguments::Load),
+    Load(crate::load::arguments::LoadArgs),
     /// Check, list, show and compare machines, create your own machine, try its tape editor
     #[command(subcommand)]
-    Machine(Machine),
+    Machine(MachineCommand),
     /// Check, reformat, run and explain macros
     #[command(subcommand)]
-    Macro(crate::macros::arguments::Macro),
+    Macro(crate::macros::arguments::MacroCommand),
     /// Show the causes of the cycle time: critical path over the channels, slack, cost of waits, gain of a change
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
@@ -177,7 +180,7 @@ pub(crate) enum Command {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Run {
+pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) inputs: Inputs,
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
@@ -222,7 +225,7 @@ pub(crate) struct Run {
     pub(crate) no_timeline: bool,
 }
 
-impl Run {
+impl RunArgs {
     /// Whether a result is to be written.
     pub(crate) fn wants(&self, what: ResultKind) -> bool {
         let named = self.write.contains(&what) || self.write.contains(&ResultKind::All);
@@ -301,7 +304,7 @@ pub(crate) struct ResultArgs {
     pub(crate) crlf: bool,
     /// Select the format of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
-    pub(crate) format: Format,
+    pub(crate) format: OutputFormat,
     /// Write to this file instead of standard output; for `files` and `all`, to this folder
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -364,14 +367,14 @@ pub(crate) enum ResultKind {
 
 /// Forms of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
+pub(crate) enum OutputFormat {
     Svg,
     Json,
 }
 
 /// Requests of an administrator.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Admin {
+pub(crate) enum AdminCommand {
     /// List the connections of the server
     Connections(AdminArgs),
     /// List the watches and their lag behind the logs
@@ -398,7 +401,7 @@ mod tests {
 
     #[test]
     fn the_help_names_the_limits_of_the_kernel() {
-        let limits = counterpoint_kernel::options::Limits::default();
+        let limits = counterpoint_kernel::options::JobLimits::default();
         let seconds = limits.simulated_ns / 1_000_000_000;
         for number in [seconds as u64, limits.blocks, limits.zero_time_blocks, limits.events, limits.diagnostics.into()]
         {

@@ -15,7 +15,7 @@ use counterpoint_proto::v1::dialog_value::Value;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::client::Client;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::say::{self, BAD, DIM, WARN, styled};
 
@@ -30,7 +30,7 @@ pub(crate) struct Attendant {
 }
 
 /// The next item.
-pub(crate) enum Next {
+pub(crate) enum AttendEvent {
     /// A dialog is open.
     Question(v1::Question),
     /// The job has ended.
@@ -38,7 +38,7 @@ pub(crate) enum Next {
 }
 
 /// Result of a prompt.
-enum Entry {
+enum PromptOutcome {
     Line(String),
     /// The input has ended.
     End,
@@ -49,7 +49,7 @@ enum Entry {
 }
 
 /// A question that the server has closed.
-struct Closed {
+struct ClosedQuestion {
     id: u64,
     /// No client answered in time.
     expired: bool,
@@ -57,7 +57,7 @@ struct Closed {
 
 impl Attendant {
     /// Connects to the dialogs of a job.
-    pub(crate) async fn start(client: &Client, job: &str) -> Result<Self, Error> {
+    pub(crate) async fn start(client: &ServerSession, job: &str) -> Result<Self, Error> {
         let (say, requests) = mpsc::channel(4);
         let first = v1::AttendRequest { content: Some(Say::JobId(job.to_owned())) };
         say.send(first).await.map_err(|_| gone())?;
@@ -66,26 +66,26 @@ impl Attendant {
     }
 
     /// The next question, or the end of the job. May be dropped and called again.
-    pub(crate) async fn next(&mut self) -> Result<Next, Error> {
+    pub(crate) async fn next(&mut self) -> Result<AttendEvent, Error> {
         loop {
             if let Some(question) = self.waiting.pop_front() {
-                return Ok(Next::Question(question));
+                return Ok(AttendEvent::Question(question));
             }
             if let Some(status) = &self.ended {
-                return Ok(Next::Ended(Box::new(status.clone())));
+                return Ok(AttendEvent::Ended(Box::new(status.clone())));
             }
             self.listen().await?;
         }
     }
 
     /// Receives one message; returns the question that it closes.
-    async fn listen(&mut self) -> Result<Option<Closed>, Error> {
+    async fn listen(&mut self) -> Result<Option<ClosedQuestion>, Error> {
         let message = self.heard.message().await?.unwrap_or_default();
         match message.content {
             Some(Content::Question(question)) => self.waiting.push_back(question),
             Some(Content::Closed(id)) => {
                 self.waiting.retain(|question| question.id != id);
-                return Ok(Some(Closed { id, expired: message.expired }));
+                return Ok(Some(ClosedQuestion { id, expired: message.expired }));
             }
             Some(Content::Ended(status)) => self.ended = Some(status),
             None if self.ended.is_some() => std::future::pending().await,
@@ -121,43 +121,43 @@ impl Attendant {
                 format!("  {}{} [{}]: ", field.label, hint(kind), start.map_or_else(String::new, |v| shown(kind, v)));
             loop {
                 match self.entry(&prompt, id).await? {
-                    Entry::Line(line) if line.is_empty() => break,
-                    Entry::Line(line) => match read(kind, &line) {
+                    PromptOutcome::Line(line) if line.is_empty() => break,
+                    PromptOutcome::Line(line) => match read(kind, &line) {
                         Ok(value) => {
                             values.insert(field.variable.clone(), v1::DialogValue { value: Some(value) });
                             break;
                         }
                         Err(why) => say::status_line(styled(BAD, why)),
                     },
-                    Entry::End => return self.send(Say::Declined(id)).await,
-                    Entry::Closed | Entry::Expired => return Ok(()),
+                    PromptOutcome::End => return self.send(Say::Declined(id)).await,
+                    PromptOutcome::Closed | PromptOutcome::Expired => return Ok(()),
                 }
             }
         }
         let button = match self.button(&dialog, id).await? {
-            Entry::Line(label) => label,
-            Entry::End => return self.send(Say::Declined(id)).await,
-            Entry::Closed | Entry::Expired => return Ok(()),
+            PromptOutcome::Line(label) => label,
+            PromptOutcome::End => return self.send(Say::Declined(id)).await,
+            PromptOutcome::Closed | PromptOutcome::Expired => return Ok(()),
         };
         let answer = v1::DialogAnswer { dialog: dialog.name, button, values };
         self.send(Say::Answer(v1::QuestionAnswer { question_id: id, answer: Some(answer) })).await
     }
 
     /// Asks for the button to press, unless there is only one.
-    async fn button(&mut self, dialog: &v1::Dialog, id: u64) -> Result<Entry, Error> {
+    async fn button(&mut self, dialog: &v1::Dialog, id: u64) -> Result<PromptOutcome, Error> {
         let labels: Vec<&str> = dialog.buttons.iter().map(|button| button.label.as_str()).collect();
         let first = dialog.buttons.iter().find(|button| button.kind() == v1::ButtonKind::Ok);
         let first = first.map_or("OK", |button| button.label.as_str());
         if labels.len() <= 1 {
-            return Ok(Entry::Line(first.to_owned()));
+            return Ok(PromptOutcome::Line(first.to_owned()));
         }
         loop {
             match self.entry(&format!("  button, {} [{first}]: ", labels.join(", ")), id).await? {
-                Entry::Line(line) if line.is_empty() => return Ok(Entry::Line(first.to_owned())),
-                Entry::Line(line) if labels.iter().any(|label| label.eq_ignore_ascii_case(&line)) => {
-                    return Ok(Entry::Line(line));
+                PromptOutcome::Line(line) if line.is_empty() => return Ok(PromptOutcome::Line(first.to_owned())),
+                PromptOutcome::Line(line) if labels.iter().any(|label| label.eq_ignore_ascii_case(&line)) => {
+                    return Ok(PromptOutcome::Line(line));
                 }
-                Entry::Line(line) => {
+                PromptOutcome::Line(line) => {
                     let one_of = labels.join(", ");
                     say::status_line(styled(BAD, format!("button '{line}' not found: expected one of {one_of}")));
                 }
@@ -167,29 +167,29 @@ impl Attendant {
     }
 
     /// Prompts for a line.
-    async fn entry(&mut self, prompt: &str, id: u64) -> Result<Entry, Error> {
+    async fn entry(&mut self, prompt: &str, id: u64) -> Result<PromptOutcome, Error> {
         let mut out = anstream::stderr();
         let _ = out.write_all(prompt.as_bytes()).and_then(|()| out.flush());
         let mut lines = self.lines.take().unwrap_or_else(lines);
         let entry = loop {
             tokio::select! {
-                line = lines.recv() => break line.map_or(Entry::End, |line| Entry::Line(line.trim().to_owned())),
+                line = lines.recv() => break line.map_or(PromptOutcome::End, |line| PromptOutcome::Line(line.trim().to_owned())),
                 closed = self.listen() => match closed? {
-                    Some(closed) if closed.id == id && closed.expired => break Entry::Expired,
-                    Some(closed) if closed.id == id => break Entry::Closed,
-                    _ if self.ended.is_some() => break Entry::Closed,
+                    Some(closed) if closed.id == id && closed.expired => break PromptOutcome::Expired,
+                    Some(closed) if closed.id == id => break PromptOutcome::Closed,
+                    _ if self.ended.is_some() => break PromptOutcome::Closed,
                     _ => {}
                 },
             }
         };
         self.lines = Some(lines);
         match entry {
-            Entry::Closed => {
+            PromptOutcome::Closed => {
                 say::status_line(styled(DIM, "\n  closed: another client has answered, or the run was stopped"))
             }
-            Entry::Expired => say::status_line(styled(WARN, EXPIRED)),
-            Entry::End => say::status_line(styled(DIM, "\n  declined: end of input")),
-            Entry::Line(_) => {}
+            PromptOutcome::Expired => say::status_line(styled(WARN, EXPIRED)),
+            PromptOutcome::End => say::status_line(styled(DIM, "\n  declined: end of input")),
+            PromptOutcome::Line(_) => {}
         }
         Ok(entry)
     }

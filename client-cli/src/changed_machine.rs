@@ -8,15 +8,15 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use counterpoint_client::Blob;
-use counterpoint_kernel::files::Files as _;
-use counterpoint_kernel::log::info::Unit;
+use counterpoint_kernel::files::JobFiles as _;
+use counterpoint_kernel::log::info::MachineUnit;
 use counterpoint_kernel::machine::package;
 
 use crate::error::Error;
 use crate::machine_folder;
-use crate::pack::Files;
-use crate::settings::Setting;
-use crate::tools::{Facts, Tools};
+use crate::pack::PackedFiles;
+use crate::settings::MachineSetting;
+use crate::tools::{ToolDefinitions, ToolImportContext};
 
 /// End of the name of a shipped machine after a setting; the server reserves the names of shipped machines.
 const CHANGED: &str = "-set";
@@ -28,14 +28,14 @@ const SHARES: &str = "-shared";
 const TOOLS: &str = "-tools";
 
 /// A shipped machine or a folder, with all families, and the settings in it; returns the name of the machine, too.
-pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Files), Error> {
+pub(crate) fn machine(machine: &str, settings: &[MachineSetting]) -> Result<(String, PackedFiles), Error> {
     let own = machine_folder::is_folder(machine);
     let (name, mut files) =
-        if own { machine_folder::machine(Path::new(machine))? } else { (machine.to_owned(), Files::default()) };
+        if own { machine_folder::machine(Path::new(machine))? } else { (machine.to_owned(), PackedFiles::default()) };
     let chain = chain(&mut files, &name, &[]);
     let components = components(&mut files, &chain);
     for setting in settings {
-        let Setting::Waits(range) = setting else { continue };
+        let MachineSetting::Waits(range) = setting else { continue };
         let mut changed = false;
         for folder in &chain {
             let path = definition(folder);
@@ -57,12 +57,12 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
     let lathes: Vec<String> =
         components.iter().filter(|(_, chain)| has_systems(&files, chain)).map(|(name, _)| name.clone()).collect();
     let has_systems = !lathes.is_empty() || components.is_empty() && has_systems(&files, &chain);
-    if settings.iter().any(|setting| matches!(setting, Setting::System(_))) && !has_systems {
+    if settings.iter().any(|setting| matches!(setting, MachineSetting::System(_))) && !has_systems {
         return Err(Error::Usage(format!(
             "--set system: machine '{machine}' has only one G-code system (it is not a lathe, or no row of [[codes]] has `systems`)"
         )));
     }
-    if settings.iter().any(|setting| matches!(setting, Setting::Shared(..))) {
+    if settings.iter().any(|setting| matches!(setting, MachineSetting::Shared(..))) {
         let tables = tables(&files, &chain);
         let has =
             |key: &str| tables.iter().any(|table| table.get("variables").is_some_and(|own| own.get(key).is_some()));
@@ -77,7 +77,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         }
     }
     let unit = settings.iter().rev().find_map(|setting| match setting {
-        Setting::Units(unit) => Some(*unit),
+        MachineSetting::Units(unit) => Some(*unit),
         _ => None,
     });
     // A composite takes its unit from its components.
@@ -100,7 +100,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         Some(rest) => format!("{changed}/{rest}"),
         None => path,
     };
-    let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
+    let files = PackedFiles(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
     Ok(extended(changed, files, settings, (&components, &lathes), &begins))
 }
 
@@ -108,13 +108,13 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
 #[derive(Default)]
 struct Begins {
     /// The unit, if it is set.
-    unit: Option<Unit>,
+    unit: Option<MachineUnit>,
     /// The lines `initial` of the components, or of the machine if it has no components.
     initial: Vec<String>,
 }
 
 /// The definitions of a machine and of the families that it extends.
-fn tables(files: &Files, chain: &[String]) -> Vec<toml::Table> {
+fn tables(files: &PackedFiles, chain: &[String]) -> Vec<toml::Table> {
     let blobs = chain.iter().filter_map(|folder| files.0.get(&definition(folder)));
     let read =
         |blob: &Blob| toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).unwrap_or_default();
@@ -122,7 +122,7 @@ fn tables(files: &Files, chain: &[String]) -> Vec<toml::Table> {
 }
 
 /// Whether a lathe has codes that only some systems of G codes have.
-fn has_systems(files: &Files, chain: &[String]) -> bool {
+fn has_systems(files: &PackedFiles, chain: &[String]) -> bool {
     let tables = tables(files, chain);
     let kind = tables.iter().find_map(|table| table.get("machine")?.get("type")?.as_str());
     let codes = tables.iter().filter_map(|table| table.get("codes")?.as_array()).flatten();
@@ -134,17 +134,17 @@ fn has_systems(files: &Files, chain: &[String]) -> bool {
 /// inside the folder of the machine. The lathes among them have systems of G codes.
 fn extended(
     name: String,
-    mut files: Files,
-    settings: &[Setting],
+    mut files: PackedFiles,
+    settings: &[MachineSetting],
     (components, lathes): (&[String], &[String]),
     begins: &Begins,
-) -> (String, Files) {
-    let said = |of: fn(&Setting) -> bool| settings.iter().rev().find(|setting| of(setting));
-    let numbers = said(|setting| matches!(setting, Setting::Increments));
-    let system = said(|setting| matches!(setting, Setting::System(_)));
-    let control: Vec<_> = [numbers, system].into_iter().flatten().filter_map(Setting::of_control).collect();
+) -> (String, PackedFiles) {
+    let said = |of: fn(&MachineSetting) -> bool| settings.iter().rev().find(|setting| of(setting));
+    let numbers = said(|setting| matches!(setting, MachineSetting::Increments));
+    let system = said(|setting| matches!(setting, MachineSetting::System(_)));
+    let control: Vec<_> = [numbers, system].into_iter().flatten().filter_map(MachineSetting::of_control).collect();
     let shares = settings.iter().filter_map(|setting| match setting {
-        Setting::Shared(first, last) => Some((*first, *last)),
+        MachineSetting::Shared(first, last) => Some((*first, *last)),
         _ => None,
     });
     let shares: Vec<(u32, u32)> = shares.collect();
@@ -156,9 +156,10 @@ fn extended(
         changed = format!("{changed}-{}", unit.name());
     }
     let mut text = String::new();
-    let lines = |setting: &Option<&Setting>| setting.and_then(Setting::of_control).map(|(line, _)| line + "\n");
+    let lines =
+        |setting: &Option<&MachineSetting>| setting.and_then(MachineSetting::of_control).map(|(line, _)| line + "\n");
     let of_control =
-        |system: &Option<&Setting>| [lines(&numbers), lines(system)].into_iter().flatten().collect::<String>();
+        |system: &Option<&MachineSetting>| [lines(&numbers), lines(system)].into_iter().flatten().collect::<String>();
     if !control.is_empty() && components.is_empty() {
         text.push_str("[control]\n");
         text.push_str(&of_control(&system));
@@ -183,8 +184,8 @@ fn extended(
 }
 
 /// `[variables]` of a machine that shares these variables besides its own shared ones; those that remain are separate.
-fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
-    let mut known = Files(files.0.clone());
+fn sharing(files: &PackedFiles, name: &str, shares: &[(u32, u32)]) -> String {
+    let mut known = PackedFiles(files.0.clone());
     let chain = chain(&mut known, name, &[]);
     let tables = tables(&known, &chain);
     let ranges = |key: &str| {
@@ -220,12 +221,16 @@ fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
 }
 
 /// A machine that extends this one by the tools of a file; its files and the tools are given, too.
-pub(crate) fn with_tools(machine: &str, mut files: Files, path: &Path) -> Result<(String, Files, Tools), Error> {
-    let mut known = Files(files.0.clone());
+pub(crate) fn with_tools(
+    machine: &str,
+    mut files: PackedFiles,
+    path: &Path,
+) -> Result<(String, PackedFiles, ToolDefinitions), Error> {
+    let mut known = PackedFiles(files.0.clone());
     let chain = chain(&mut known, machine, &[]);
     let blobs = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
     let texts: Vec<String> = blobs.map(|blob| String::from_utf8_lossy(blob.content()).into_owned()).collect();
-    let mut tools = Tools::read(path, &Facts::of(texts.iter().map(String::as_str)))?;
+    let mut tools = ToolDefinitions::read(path, &ToolImportContext::of(texts.iter().map(String::as_str)))?;
     let name = format!("{machine}{TOOLS}");
     files.0.insert(definition(&name), Blob::new(tools.definition(&name, machine).into_bytes()));
     Ok((name, files, tools))
@@ -237,7 +242,7 @@ fn definition(folder: &str) -> String {
 
 /// The component definitions of a composite machine, by name with their chains; shipped definitions are added to the
 /// files.
-fn components(files: &mut Files, chain_of_machine: &[String]) -> Vec<(String, Vec<String>)> {
+fn components(files: &mut PackedFiles, chain_of_machine: &[String]) -> Vec<(String, Vec<String>)> {
     let mut designators: Vec<String> = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for folder in chain_of_machine {
@@ -261,10 +266,10 @@ fn components(files: &mut Files, chain_of_machine: &[String]) -> Vec<(String, Ve
 
 /// The folders of a machine and its families; shipped folders are added to the files. Folders inside those of `within`
 /// come before others.
-fn chain(files: &mut Files, name: &str, within: &[String]) -> Vec<String> {
+fn chain(files: &mut PackedFiles, name: &str, within: &[String]) -> Vec<String> {
     let shipped = package::shipped();
     let mut chain: Vec<String> = Vec::new();
-    let found = |files: &Files, chain: &[String], name: String| {
+    let found = |files: &PackedFiles, chain: &[String], name: String| {
         let mut inside = within.iter().map(|outer| format!("{outer}/{name}"));
         let inside = inside.find(|folder| !chain.contains(folder) && files.0.contains_key(&definition(folder)));
         inside.unwrap_or(name)

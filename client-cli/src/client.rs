@@ -4,13 +4,13 @@
 
 use std::time::Duration;
 
-use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch, WatchJobs};
+use counterpoint_client::{Blob, ClientSettings, ResultChunks, ResultDocument, Through, Watch, WatchJobs};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
-use counterpoint_server::options::{Embedded, Guard, Options, System};
+use counterpoint_server::options::{Embedded, Guard, ServerOptions, System};
 use counterpoint_server::service;
 
 use crate::error::Error;
@@ -21,7 +21,7 @@ const LONG: u64 = 315_360_000;
 
 /// Results that a caller may request from an embedded server after a job, besides those it always has.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Asked {
+pub(crate) struct RequestedResults {
     /// Data made from the event log.
     pub(crate) log: bool,
     pub(crate) toolpath: bool,
@@ -29,7 +29,7 @@ pub(crate) struct Asked {
 
 /// A client.
 #[derive(Debug)]
-pub(crate) struct Client {
+pub(crate) struct ServerSession {
     server: counterpoint_client::Client,
     /// The server of this process.
     own: Option<service::Handle>,
@@ -38,7 +38,7 @@ pub(crate) struct Client {
 
 /// A job that the server has accepted.
 #[derive(Debug)]
-pub(crate) struct Submitted {
+pub(crate) struct SubmittedJob {
     pub(crate) job: String,
     /// Whether an earlier call with the same request id created the job.
     pub(crate) duplicate: bool,
@@ -46,7 +46,7 @@ pub(crate) struct Submitted {
     pub(crate) guess: Option<(String, String)>,
 }
 
-impl Submitted {
+impl SubmittedJob {
     pub(crate) fn of(status: v1::JobStatus, duplicate: bool) -> Self {
         let v1::JobStatus { job_id: job, machine, machine_guess, .. } = status;
         Self { job, duplicate, guess: Some((machine, machine_guess)).filter(|(_, signs)| !signs.is_empty()) }
@@ -62,7 +62,7 @@ fn say_again(error: &counterpoint_client::Error, patience: Duration) {
     say::status_line(format!("{why}; trying again for up to {} s", patience.as_secs()));
 }
 
-impl Client {
+impl ServerSession {
     /// Connects to a server, with token and certificates from the environment: on a command line every user of the
     /// machine could read them.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
@@ -71,7 +71,7 @@ impl Client {
 
     /// Connects to a server. Unless `quiet`, a status line reports retries.
     pub(crate) async fn connect_as(address: &str, quiet: bool) -> Result<Self, Error> {
-        let mut settings = Settings::from_environment(address)?;
+        let mut settings = ClientSettings::from_environment(address)?;
         if !quiet {
             settings = settings.with_notice(say_again);
         }
@@ -81,17 +81,17 @@ impl Client {
 
     /// Starts a server in this process and connects to it over loopback. `patient`: a job that is stepped through
     /// stands until its person comes back.
-    pub(crate) async fn embed(asked: Asked, allow_system: bool, patient: bool) -> Result<Self, Error> {
+    pub(crate) async fn embed(asked: RequestedResults, allow_system: bool, patient: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
-        let own = Options::ephemeral(data.path().to_owned());
-        let Asked { log, toolpath } = asked;
+        let own = ServerOptions::ephemeral(data.path().to_owned());
+        let RequestedResults { log, toolpath } = asked;
         let embedded = Embedded { log, toolpath, ..own.embedded };
         let usual = System { allow_system, ..System::default() };
         let system = if patient { System { operator_wait_s: LONG, ..usual } } else { usual };
         // No client asks this server for the contract, and preparing it takes longer than a small program.
         let guard = Guard { reflection: false, ..own.guard };
-        let options = Options { embedded, system, guard, ..own };
+        let options = ServerOptions { embedded, system, guard, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let handle = service.handle();
         let address = format!("http://{}", handle.address());
@@ -105,7 +105,7 @@ impl Client {
     pub(crate) async fn at(address: Option<&str>) -> Result<Self, Error> {
         match address {
             Some(address) => Self::connect(address).await,
-            None => Self::embed(Asked::default(), false, false).await,
+            None => Self::embed(RequestedResults::default(), false, false).await,
         }
     }
 
@@ -146,13 +146,13 @@ impl Client {
     }
 
     /// Submits a job.
-    pub(crate) async fn submit(&self, request: v1::SubmitJobRequest) -> Result<Submitted, Error> {
+    pub(crate) async fn submit(&self, request: v1::SubmitJobRequest) -> Result<SubmittedJob, Error> {
         let (status, duplicate) = self.server.submit_or_find(request).await?;
-        Ok(Submitted::of(status, duplicate))
+        Ok(SubmittedJob::of(status, duplicate))
     }
 
     /// Reads a result.
-    pub(crate) async fn document(&self, job: &str, document: &Document) -> Result<Chunks, Error> {
+    pub(crate) async fn document(&self, job: &str, document: &ResultDocument) -> Result<ResultChunks, Error> {
         Ok(self.server.document(job, document).await?)
     }
 

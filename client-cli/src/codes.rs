@@ -14,7 +14,7 @@ const FATAL: u32 = 16;
 
 /// The stage at which a run failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub(crate) enum FailureStage {
     /// Reading the programs.
     Programs,
     /// Looking for the machine.
@@ -26,21 +26,21 @@ pub(crate) enum Stage {
 }
 
 /// Exit code of a run that failed.
-pub(crate) fn of_error(stage: Stage, error: &Error) -> u8 {
+pub(crate) fn of_error(stage: FailureStage, error: &Error) -> u8 {
     match (stage, error) {
         (_, Error::Closed) => 0,
         (_, Error::Connection(_)) => 255,
-        (Stage::Programs, _) => 200,
-        (Stage::Machine, _) => 201,
-        (Stage::Results, _) => 106,
-        (Stage::Submission, Error::File { .. }) => 105,
-        (Stage::Submission, Error::Refused(status)) => match status.code() {
+        (FailureStage::Programs, _) => 200,
+        (FailureStage::Machine, _) => 201,
+        (FailureStage::Results, _) => 106,
+        (FailureStage::Submission, Error::File { .. }) => 105,
+        (FailureStage::Submission, Error::Refused(status)) => match status.code() {
             Code::NotFound => 201,
             Code::InvalidArgument | Code::FailedPrecondition | Code::AlreadyExists => 100,
             _ => 255,
         },
-        (Stage::Submission, Error::Usage(_)) => 100,
-        (Stage::Submission, Error::NotWritten(_)) => 106,
+        (FailureStage::Submission, Error::Usage(_)) => 100,
+        (FailureStage::Submission, Error::NotWritten(_)) => 106,
     }
 }
 

@@ -5,19 +5,19 @@ use std::path::Path;
 use counterpoint_client::Update;
 use counterpoint_proto::v1;
 
-use crate::arguments::{Command, Follow, Format, JobArgs, ResultArgs, ResultKind, Wait, Watch};
-use crate::attend::{Attendant, Next};
-use crate::client::Client;
+use crate::arguments::{CliCommand, Follow, JobArgs, OutputFormat, ResultArgs, ResultKind, WaitArgs, WatchArgs};
+use crate::attend::{AttendEvent, Attendant};
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::event_line::event_line;
 use crate::job_status::{held, json_line, waits};
-use crate::many::Act;
+use crate::many::JobAction;
 use crate::outcome::{ended, ended_by_name};
 use crate::output_folder::{OutputFolder, drawn_timeline};
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::report::report;
-use crate::step::{Interrupt, Stepper};
-use crate::summary::Summary;
+use crate::step::{Interrupt, StepClient};
+use crate::summary::ReportSummary;
 use crate::watch_all::watch_all;
 use crate::{
     admin, analyse, calibrate, completions, draft, explain, job_names, jobs, lint, load, machines, macros, man, many,
@@ -25,36 +25,36 @@ use crate::{
 };
 
 /// Executes a command and returns the exit code.
-pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
+pub(crate) async fn dispatch(command: CliCommand) -> Result<u8, Error> {
     match command {
-        Command::Run(arguments) => run::run(arguments).await,
-        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
-        Command::Lint(arguments) => lint::lint(arguments).await,
-        Command::Submit(arguments) => run::submit(arguments).await,
-        Command::Watch(Watch { job: Some(job), remote, quiet, strict, .. }) => {
+        CliCommand::Run(arguments) => run::run(arguments).await,
+        CliCommand::Calibrate(arguments) => calibrate::calibrate(&arguments),
+        CliCommand::Lint(arguments) => lint::lint(arguments).await,
+        CliCommand::Submit(arguments) => run::submit(arguments).await,
+        CliCommand::Watch(WatchArgs { job: Some(job), remote, quiet, strict, .. }) => {
             watch(Follow { of: JobArgs { job, remote, quiet }, strict }).await
         }
-        Command::Watch(arguments) => watch_all(arguments).await,
-        Command::Attend(arguments) => attend(arguments).await,
-        Command::Step(arguments) => step(arguments).await,
-        Command::Wait(arguments) => wait(arguments).await,
-        Command::Jobs(arguments) => jobs::list(arguments).await,
-        Command::Status(arguments) => status::status(arguments).await,
-        Command::Rerun(arguments) => jobs::rerun(arguments).await,
-        Command::Cancel(arguments) => many::act(Act::Cancel, arguments).await,
-        Command::Pause(arguments) => pause(arguments).await,
-        Command::Resume(arguments) => resume(arguments).await,
-        Command::Delete(arguments) => many::act(Act::Delete, arguments).await,
-        Command::Analyse(arguments) => analyse::analyse(arguments).await,
-        Command::Result(arguments) => result(arguments).await,
-        Command::Admin(command) => admin::dispatch(command).await,
-        Command::Load(arguments) => load::load(arguments).await,
-        Command::Machine(arguments) => machines::dispatch(arguments).await,
-        Command::Macro(command) => macros::dispatch(&command),
-        Command::Explain(arguments) => explain::explain(&arguments),
-        Command::Man { folder: Some(folder) } => man::write(&folder),
-        Command::Man { folder: None } => man::print(),
-        Command::Completions { shell } => {
+        CliCommand::Watch(arguments) => watch_all(arguments).await,
+        CliCommand::Attend(arguments) => attend(arguments).await,
+        CliCommand::Step(arguments) => step(arguments).await,
+        CliCommand::Wait(arguments) => wait(arguments).await,
+        CliCommand::Jobs(arguments) => jobs::list(arguments).await,
+        CliCommand::Status(arguments) => status::status(arguments).await,
+        CliCommand::Rerun(arguments) => jobs::rerun(arguments).await,
+        CliCommand::Cancel(arguments) => many::act(JobAction::Cancel, arguments).await,
+        CliCommand::Pause(arguments) => pause(arguments).await,
+        CliCommand::Resume(arguments) => resume(arguments).await,
+        CliCommand::Delete(arguments) => many::act(JobAction::Delete, arguments).await,
+        CliCommand::Analyse(arguments) => analyse::analyse(arguments).await,
+        CliCommand::Result(arguments) => result(arguments).await,
+        CliCommand::Admin(command) => admin::dispatch(command).await,
+        CliCommand::Load(arguments) => load::load(arguments).await,
+        CliCommand::Machine(arguments) => machines::dispatch(arguments).await,
+        CliCommand::Macro(command) => macros::dispatch(&command),
+        CliCommand::Explain(arguments) => explain::explain(&arguments),
+        CliCommand::Man { folder: Some(folder) } => man::write(&folder),
+        CliCommand::Man { folder: None } => man::print(),
+        CliCommand::Completions { shell } => {
             say::data(completions::script(shell).as_bytes())?;
             Ok(0)
         }
@@ -62,8 +62,8 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
 }
 
 /// A client of the server of a job, and the whole id of the job.
-async fn connected(arguments: &JobArgs) -> Result<(Client, String), Error> {
-    let client = Client::connect_as(&arguments.remote.server, arguments.quiet).await?;
+async fn connected(arguments: &JobArgs) -> Result<(ServerSession, String), Error> {
+    let client = ServerSession::connect_as(&arguments.remote.server, arguments.quiet).await?;
     let job = job_names::whole(&client, &arguments.job).await?;
     Ok((client, job))
 }
@@ -71,7 +71,7 @@ async fn connected(arguments: &JobArgs) -> Result<(Client, String), Error> {
 /// Follows a job, reconnecting if necessary; prints diagnostics and waits to standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
-    let mut progress = Progress::new(arguments.quiet);
+    let mut progress = ProgressDisplay::new(arguments.quiet);
     let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
     let (mut files, mut said) = (Vec::new(), None);
     let now = client.jobs().get_job(v1::GetJobRequest { job_id: job.clone() }).await?.into_inner().status;
@@ -108,8 +108,8 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut attendant = Attendant::start(&client, &job).await?;
     loop {
         match attendant.next().await? {
-            Next::Question(question) => attendant.answer(question).await?,
-            Next::Ended(status) => return Ok(ended(&status, strict)),
+            AttendEvent::Question(question) => attendant.answer(question).await?,
+            AttendEvent::Ended(status) => return Ok(ended(&status, strict)),
         }
     }
 }
@@ -117,7 +117,7 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 /// Steps through a job until it ends; an interrupt pauses a running job, and ends the command if it stands.
 async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
-    let (stepper, interrupt) = (Stepper::start(&client, &job).await?, Interrupt::default());
+    let (stepper, interrupt) = (StepClient::start(&client, &job).await?, Interrupt::default());
     let mut driven = std::pin::pin!(stepper.drive(&interrupt));
     loop {
         tokio::select! {
@@ -130,9 +130,9 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 }
 
 /// Waits for jobs, one after another; returns the highest exit code.
-async fn wait(arguments: Wait) -> Result<u8, Error> {
-    let client = Client::connect_as(&arguments.remote.server, arguments.quiet).await?;
-    let Wait { quiet, strict, json, .. } = arguments;
+async fn wait(arguments: WaitArgs) -> Result<u8, Error> {
+    let client = ServerSession::connect_as(&arguments.remote.server, arguments.quiet).await?;
+    let WaitArgs { quiet, strict, json, .. } = arguments;
     let mut code = 0;
     for job in &jobs::to_wait_for(&client, &arguments).await? {
         let mut said = None;
@@ -169,22 +169,22 @@ async fn resume(arguments: JobArgs) -> Result<u8, Error> {
 }
 
 /// The summary of a job, as it came and as far as reports need it.
-async fn summary(client: &Client, job: &str) -> Result<(Vec<u8>, Summary), Error> {
-    let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
+async fn summary(client: &ServerSession, job: &str) -> Result<(Vec<u8>, ReportSummary), Error> {
+    let text = results::whole(client, job, ResultKind::Summary, 0, OutputFormat::Json.into()).await?;
     let summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     Ok((text, summary))
 }
 
 /// The line about a job at the start of its report.
-async fn heading(client: &Client, job: &str) -> Result<String, Error> {
+async fn heading(client: &ServerSession, job: &str) -> Result<String, Error> {
     let request = v1::GetJobRequest { job_id: job.to_owned() };
     let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
     Ok(status::heading(&status))
 }
 
 /// The report that `run` prints.
-async fn reported(client: &Client, job: &str) -> Result<String, Error> {
+async fn reported(client: &ServerSession, job: &str) -> Result<String, Error> {
     let summary = match summary(client, job).await {
         Ok((_, summary)) => summary,
         Err(error) => return Err(without_results(client, job, error).await),
@@ -193,7 +193,7 @@ async fn reported(client: &Client, job: &str) -> Result<String, Error> {
 }
 
 /// Adds to a refusal the reason why the job has no results.
-async fn without_results(client: &Client, job: &str, error: Error) -> Error {
+async fn without_results(client: &ServerSession, job: &str, error: Error) -> Error {
     if error.reason().as_deref() != Some("NO_RESULTS") {
         return error;
     }
@@ -207,7 +207,7 @@ async fn without_results(client: &Client, job: &str, error: Error) -> Error {
 }
 
 /// Writes all results into a folder, as `run --out` does, and the report.
-async fn all(client: &Client, job: &str, folder: &Path, crlf: bool) -> Result<(), Error> {
+async fn all(client: &ServerSession, job: &str, folder: &Path, crlf: bool) -> Result<(), Error> {
     let (text, summary) = summary(client, job).await?;
     let program = summary.channels.iter().map(|channel| channel.program.as_str()).find(|name| !name.is_empty());
     let file = program.unwrap_or("job").split('#').next().unwrap_or("job");
@@ -218,17 +218,17 @@ async fn all(client: &Client, job: &str, folder: &Path, crlf: bool) -> Result<()
 }
 
 /// Whether a job was submitted with a trace.
-async fn is_traced(client: &Client, job: &str) -> Result<bool, Error> {
+async fn is_traced(client: &ServerSession, job: &str) -> Result<bool, Error> {
     let request = v1::GetJobRequest { job_id: job.to_owned() };
     let options = client.jobs().get_job(request).await?.into_inner().options.unwrap_or_default();
     Ok(!options.trace.is_empty())
 }
 
 async fn result(arguments: ResultArgs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let ResultArgs { what, channel, format, crlf, .. } = &arguments;
     let job = &job_names::whole(&client, &arguments.job).await?;
-    let form = results::Form { format: *format, crlf: *crlf };
+    let form = results::ResultFormat { format: *format, crlf: *crlf };
     if *what == ResultKind::Trace && !is_traced(&client, job).await? {
         say::status_line("the job was submitted without --trace: this is the listing");
     }

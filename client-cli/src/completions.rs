@@ -7,7 +7,7 @@ use clap::{Command, CommandFactory as _};
 use clap_complete::Shell;
 use counterpoint_kernel::machine::package;
 
-use crate::arguments::Arguments;
+use crate::arguments::CliArgs;
 
 /// The script for a shell.
 pub(crate) fn script(shell: Shell) -> String {
@@ -19,7 +19,7 @@ pub(crate) fn script(shell: Shell) -> String {
             _ => argument,
         })
     };
-    let mut command = Arguments::command();
+    let mut command = CliArgs::command();
     for name in ["run", "submit", "lint", "explain", "calibrate"] {
         command = command.mut_subcommand(name, named);
     }

@@ -7,14 +7,14 @@ use serde_json::Value;
 static NULL: Value = Value::Null;
 
 /// Reading and setting of fields.
-pub(crate) trait Fields {
+pub(crate) trait JsonFields {
     /// The value of a field.
     fn at(&self, key: &str) -> &Value;
     /// Sets a field of an object.
     fn set(&mut self, key: &str, value: Value);
 }
 
-impl Fields for Value {
+impl JsonFields for Value {
     fn at(&self, key: &str) -> &Value {
         self.get(key).unwrap_or(&NULL)
     }

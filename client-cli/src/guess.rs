@@ -2,15 +2,15 @@
 
 use std::ops::RangeInclusive;
 
-use counterpoint_kernel::log::info::Unit;
+use counterpoint_kernel::log::info::MachineUnit;
 use counterpoint_kernel::machine::length_units::{begins_in_inches, unit_words};
-use counterpoint_kernel::machine::signs::{self, Guess, Program};
+use counterpoint_kernel::machine::signs::{self, ExaminedProgram, Guess};
 use counterpoint_kernel::machine::{candidates, package};
 
 use crate::error::Error;
 use crate::local_machine::LocalMachine;
 use crate::pack::Pack;
-use crate::settings::Setting;
+use crate::settings::MachineSetting;
 
 /// The remedy when no machine can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
@@ -27,7 +27,7 @@ pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Resul
         if let Some(number) = program.number.filter(|number| !signs::has_program(blob.content(), *number)) {
             return Err(Error::Usage(format!("'{}' has no program O{number}", program.path)));
         }
-        programs.push(Program {
+        programs.push(ExaminedProgram {
             name: program.path.clone(),
             content: blob.content().clone(),
             number: program.number,
@@ -40,7 +40,7 @@ pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Resul
 }
 
 /// The initial unit of a guessed machine, as part of a sentence; `None` if a program has a word that selects a unit.
-pub(crate) fn unit(machine: &str, pack: &Pack, set: &[Setting]) -> Option<String> {
+pub(crate) fn unit(machine: &str, pack: &Pack, set: &[MachineSetting]) -> Option<String> {
     let machine = LocalMachine::shipped(machine).load().ok()?;
     let first = machine.of_channel(machine.channels.first()?.number);
     let words = unit_words(first);
@@ -53,10 +53,10 @@ pub(crate) fn unit(machine: &str, pack: &Pack, set: &[Setting]) -> Option<String
         return None;
     }
     let set = set.iter().rev().find_map(|setting| match setting {
-        Setting::Units(unit) => Some(*unit),
+        MachineSetting::Units(unit) => Some(*unit),
         _ => None,
     });
-    let own = if begins_in_inches(first) { Unit::Inch } else { Unit::Mm };
+    let own = if begins_in_inches(first) { MachineUnit::Inch } else { MachineUnit::Mm };
     let unit = set.unwrap_or(own).name();
     Some(if words.is_empty() { format!("reads in {unit}") } else { format!("no {words}: begins in {unit}") })
 }

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use counterpoint_proto::v1;
 use counterpoint_server::utc::instant;
 
-use crate::client::Client;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::job_status::{labels, programs, state_name};
 
@@ -27,7 +27,7 @@ fn digits(text: &str) -> Option<String> {
 
 /// The whole id of the job that a text means. A text that cannot be the beginning of an id is left to the server, which
 /// refuses it by name.
-pub(crate) async fn whole(client: &Client, text: &str) -> Result<String, Error> {
+pub(crate) async fn whole(client: &ServerSession, text: &str) -> Result<String, Error> {
     let Some(digits) = digits(text).filter(|digits| digits.len() < DIGITS) else { return Ok(text.to_owned()) };
     if digits.len() < FEWEST {
         return Err(Error::Usage(format!(
@@ -43,7 +43,7 @@ pub(crate) async fn whole(client: &Client, text: &str) -> Result<String, Error> 
 }
 
 /// The newest jobs whose ids have this beginning, at most one more than a refusal lists.
-async fn beginning(client: &Client, digits: &str) -> Result<Vec<v1::JobStatus>, Error> {
+async fn beginning(client: &ServerSession, digits: &str) -> Result<Vec<v1::JobStatus>, Error> {
     let filter = v1::JobFilter { id_prefix: digits.to_owned(), ..Default::default() };
     let page_size = u32::try_from(LISTED + 1).unwrap_or(u32::MAX);
     let mut request = v1::ListJobsRequest { filter: Some(filter), newest_first: true, page_size, ..Default::default() };

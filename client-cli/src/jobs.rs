@@ -5,8 +5,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use counterpoint_proto::v1;
 use counterpoint_server::utc::{date_and_time, instant};
 
-use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, When};
-use crate::client::{Client, Submitted};
+use crate::arguments::{JobFilter, JobListArgs, JobPriority, RequestArgs, Rerun, StateFilter, TimePoint, WaitArgs};
+use crate::client::{ServerSession, SubmittedJob};
 use crate::error::Error;
 use crate::job_status::{awaited, json_line, labels, programs, ran_ms, simulated, state_name, waits};
 use crate::say::{DIM, styled};
@@ -22,14 +22,14 @@ pub(crate) fn now_ms() -> i64 {
     i64::try_from(since.as_millis()).unwrap_or(i64::MAX)
 }
 
-fn state(state: &State) -> i32 {
+fn state(state: &StateFilter) -> i32 {
     match state {
-        State::Queued => v1::JobState::Queued,
-        State::Paused => v1::JobState::Paused,
-        State::Running => v1::JobState::Running,
-        State::Succeeded => v1::JobState::Succeeded,
-        State::Failed => v1::JobState::Failed,
-        State::Cancelled => v1::JobState::Cancelled,
+        StateFilter::Queued => v1::JobState::Queued,
+        StateFilter::Paused => v1::JobState::Paused,
+        StateFilter::Running => v1::JobState::Running,
+        StateFilter::Succeeded => v1::JobState::Succeeded,
+        StateFilter::Failed => v1::JobState::Failed,
+        StateFilter::Cancelled => v1::JobState::Cancelled,
     }
     .into()
 }
@@ -42,8 +42,8 @@ pub(crate) fn filter(arguments: &JobFilter) -> v1::JobFilter {
         labels: arguments.labels.iter().cloned().collect(),
         from_ms: match arguments.since {
             None => 0,
-            Some(When::At(ms)) => ms,
-            Some(When::Span(ms)) => now_ms().saturating_sub(ms).max(1),
+            Some(TimePoint::At(ms)) => ms,
+            Some(TimePoint::Span(ms)) => now_ms().saturating_sub(ms).max(1),
         },
         ..v1::JobFilter::default()
     }
@@ -56,15 +56,15 @@ pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
         labels: arguments.labels.iter().cloned().collect(),
         priority: match arguments.priority {
             None => v1::JobPriority::Unspecified,
-            Some(Priority::Low) => v1::JobPriority::Low,
-            Some(Priority::Normal) => v1::JobPriority::Normal,
-            Some(Priority::High) => v1::JobPriority::High,
+            Some(JobPriority::Low) => v1::JobPriority::Low,
+            Some(JobPriority::Normal) => v1::JobPriority::Normal,
+            Some(JobPriority::High) => v1::JobPriority::High,
         }
         .into(),
         deadline_ms: match arguments.deadline {
             None => 0,
-            Some(When::At(ms)) => ms,
-            Some(When::Span(ms)) => now_ms().saturating_add(ms),
+            Some(TimePoint::At(ms)) => ms,
+            Some(TimePoint::Span(ms)) => now_ms().saturating_add(ms),
         },
         ..Default::default()
     }
@@ -73,7 +73,7 @@ pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
 /// Refuses a deadline that has passed. A repeated request keeps its deadline: it returns the job that it created.
 pub(crate) fn check_deadline(arguments: &RequestArgs) -> Result<(), Error> {
     match arguments.deadline {
-        Some(When::At(ms)) if ms <= now_ms() && arguments.request_id.is_none() => {
+        Some(TimePoint::At(ms)) if ms <= now_ms() && arguments.request_id.is_none() => {
             let (deadline, now) = (instant(ms), instant(now_ms()));
             Err(Error::Usage(format!("--deadline: {deadline} UTC has passed, it is {now}: the job would not run")))
         }
@@ -82,7 +82,7 @@ pub(crate) fn check_deadline(arguments: &RequestArgs) -> Result<(), Error> {
 }
 
 /// Reports that the job had ended before the command: the server accepts it, and nothing changes.
-pub(crate) async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
+pub(crate) async fn say_ended(client: &ServerSession, job: &str) -> Result<(), Error> {
     use v1::JobState::{Cancelled, Failed, Succeeded};
     let request = v1::GetJobRequest { job_id: job.to_owned() };
     let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
@@ -96,19 +96,19 @@ pub(crate) async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
 /// Runs a job again.
 pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     check_deadline(&arguments.request)?;
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let job_id = job_names::whole(&client, &arguments.job).await?;
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);
     let request = v1::RerunJobRequest { job_id, request_id, labels, priority, deadline_ms };
     let v1::RerunJobResponse { status, duplicate } = client.jobs().rerun_job(request).await?.into_inner();
-    say_id(&Submitted::of(status.unwrap_or_default(), duplicate), arguments.json)?;
+    say_id(&SubmittedJob::of(status.unwrap_or_default(), duplicate), arguments.json)?;
     Ok(0)
 }
 
 /// Prints the id of a job, and whether an earlier call with the same request id created the job.
-pub(crate) fn say_id(submitted: &Submitted, json: bool) -> Result<(), Error> {
+pub(crate) fn say_id(submitted: &SubmittedJob, json: bool) -> Result<(), Error> {
     say_notes(submitted);
-    let Submitted { job, duplicate, .. } = submitted;
+    let SubmittedJob { job, duplicate, .. } = submitted;
     let text = match (json, duplicate) {
         (true, true) => serde_json::json!({ "job": job, "duplicate": true }).to_string(),
         (true, false) => serde_json::json!({ "job": job }).to_string(),
@@ -118,7 +118,7 @@ pub(crate) fn say_id(submitted: &Submitted, json: bool) -> Result<(), Error> {
 }
 
 /// Reports that an earlier call created the job, and the machine that the server guessed.
-pub(crate) fn say_notes(submitted: &Submitted) {
+pub(crate) fn say_notes(submitted: &SubmittedJob) {
     if submitted.duplicate {
         say::status_line("not submitted again: the server has accepted this request id before, for this job");
     }
@@ -129,7 +129,7 @@ pub(crate) fn say_notes(submitted: &Submitted) {
 
 /// At most `most` jobs of a list, page by page.
 pub(crate) async fn listed(
-    client: &Client,
+    client: &ServerSession,
     mut request: v1::ListJobsRequest,
     most: usize,
 ) -> Result<Vec<v1::JobStatus>, Error> {
@@ -147,7 +147,7 @@ pub(crate) async fn listed(
 }
 
 /// Ids of the jobs to wait for: the named ones, those that match the filter, or all that have not ended.
-pub(crate) async fn to_wait_for(client: &Client, arguments: &Wait) -> Result<Vec<String>, Error> {
+pub(crate) async fn to_wait_for(client: &ServerSession, arguments: &WaitArgs) -> Result<Vec<String>, Error> {
     if !arguments.jobs.is_empty() {
         let mut ids = Vec::new();
         for job in &arguments.jobs {
@@ -169,8 +169,8 @@ pub(crate) async fn to_wait_for(client: &Client, arguments: &Wait) -> Result<Vec
 }
 
 /// Lists jobs.
-pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+pub(crate) async fn list(arguments: JobListArgs) -> Result<u8, Error> {
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let request = v1::ListJobsRequest {
         filter: Some(filter(&arguments.filter)),
         newest_first: !arguments.oldest,

@@ -5,15 +5,15 @@ use std::fmt::Write as _;
 
 use counterpoint_proto::v1;
 
-use crate::arguments::{Format, Lint, ResultKind};
-use crate::client::{Asked, Client};
+use crate::arguments::{Lint, OutputFormat, ResultKind};
+use crate::client::{RequestedResults, ServerSession};
 use crate::error::Error;
 use crate::json_summary::with_remedies;
 use crate::outcome::{exit_code, not_run};
 use crate::problems::{counts, problems, say_errors};
 use crate::run::{Submission, follow, machine, submit_pack};
 use crate::say::{self, BAD, GOOD, WARN, styled};
-use crate::summary::{Channel, Summary};
+use crate::summary::{ReportChannel, ReportSummary};
 use crate::text::{more, table};
 use crate::{pack, results};
 
@@ -28,7 +28,7 @@ const ORDER: u32 = 2_900_444;
 pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     let inputs = arguments.inputs();
     let pack = pack::job(&inputs)?;
-    let client = Client::embed(Asked::default(), false, false).await?;
+    let client = ServerSession::embed(RequestedResults::default(), false, false).await?;
     let quiet = arguments.quiet || arguments.json;
     let name = machine(&client, &inputs, &pack, arguments.quiet).await?;
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
@@ -38,12 +38,12 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     if let Some(code) = not_run(&status) {
         return Ok(code);
     }
-    let text = results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await?;
+    let text = results::whole(&client, &job, ResultKind::Summary, 0, OutputFormat::Json.into()).await?;
     if arguments.json {
         say::verdict(&with_remedies(&text))?;
         return Ok(exit_code(&status, arguments.strict));
     }
-    let summary: Summary = serde_json::from_slice(&text)
+    let summary: ReportSummary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     if arguments.quiet {
         say_errors(summary, arguments.strict);
@@ -54,7 +54,7 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
 }
 
 /// The report for people.
-fn report(summary: &Summary, most: usize) -> String {
+fn report(summary: &ReportSummary, most: usize) -> String {
     let said = |number| summary.diagnostics.iter().any(|diagnostic| diagnostic.number == number);
     let waits_in_vain = summary.channels.iter().any(|channel| channel.state == "BLOCKED");
     let lost = said(ENDS_EARLY) || said(ORDER) && waits_in_vain;
@@ -74,7 +74,7 @@ fn report(summary: &Summary, most: usize) -> String {
     out
 }
 
-fn channels(summary: &Summary) -> String {
+fn channels(summary: &ReportSummary) -> String {
     let mut rows = vec![["channel", "program", "judged", "blocks", "waits"].map(str::to_owned).to_vec()];
     for channel in &summary.channels {
         let arrivals = summary.waits.iter().flat_map(|wait| &wait.arrivals);
@@ -87,7 +87,7 @@ fn channels(summary: &Summary) -> String {
 }
 
 /// How far a channel is judged.
-fn judged(summary: &Summary, channel: &Channel) -> String {
+fn judged(summary: &ReportSummary, channel: &ReportChannel) -> String {
     let mut own = summary.diagnostics.iter().filter(|diagnostic| diagnostic.channel == channel.channel);
     let mut arrivals = summary.waits.iter().flat_map(|wait| wait.arrivals.iter().map(move |arrival| (wait, arrival)));
     let open = arrivals.rfind(|(wait, arrival)| arrival.channel == channel.channel && wait.release_ns.is_none());
@@ -104,7 +104,7 @@ fn judged(summary: &Summary, channel: &Channel) -> String {
 }
 
 /// How often each channel comes to each sync point.
-fn waits(summary: &Summary, most: usize) -> String {
+fn waits(summary: &ReportSummary, most: usize) -> String {
     if summary.waits.is_empty() {
         return String::new();
     }

@@ -4,28 +4,28 @@
 
 use std::path::Path;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::machine::package::{self, Overlay};
-use counterpoint_kernel::machine::{Definition, Machine, definition, load};
+use counterpoint_kernel::machine::{Machine, WrittenDefinition, definition, load};
 
 use crate::error::Error;
-use crate::pack::Files;
+use crate::pack::PackedFiles;
 use crate::{known, machine_folder, say};
 
 /// The files of a machine.
 pub(crate) struct LocalMachine {
     /// Name of its folder.
     pub(crate) name: String,
-    pub(crate) files: Overlay<Memory, Memory>,
+    pub(crate) files: Overlay<MemoryFiles, MemoryFiles>,
 }
 
 impl LocalMachine {
     /// A shipped machine by name, or a folder with `machine.toml`.
     pub(crate) fn open(machine: &str) -> Result<Self, Error> {
-        let mut own = Memory::default();
+        let mut own = MemoryFiles::default();
         let name = if machine_folder::is_folder(machine) {
-            let (name, Files(files)) = machine_folder::machine(Path::new(machine))?;
+            let (name, PackedFiles(files)) = machine_folder::machine(Path::new(machine))?;
             for (path, blob) in files {
                 own.insert(path, blob.content());
             }
@@ -39,7 +39,7 @@ impl LocalMachine {
 
     /// A shipped machine.
     pub(crate) fn shipped(name: &str) -> Self {
-        Self { name: name.to_owned(), files: Overlay::over_shipped(Memory::default()) }
+        Self { name: name.to_owned(), files: Overlay::over_shipped(MemoryFiles::default()) }
     }
 
     /// The machine as the kernel uses it.
@@ -49,18 +49,18 @@ impl LocalMachine {
     }
 
     /// The definition as written, including its families.
-    pub(crate) fn definition(&self) -> Result<Definition, Error> {
+    pub(crate) fn definition(&self) -> Result<WrittenDefinition, Error> {
         definition(&self.files, &self.name).map_err(|findings| self.unusable(&findings))
     }
 
     /// The definition of the family that the machine extends; none if it extends none.
-    pub(crate) fn family(&self, own: &Definition) -> Result<Option<Definition>, Error> {
+    pub(crate) fn family(&self, own: &WrittenDefinition) -> Result<Option<WrittenDefinition>, Error> {
         let Some(family) = own.chain.get(1) else { return Ok(None) };
         definition(&self.files, family).map(Some).map_err(|findings| self.unusable(&findings))
     }
 
     /// The definition in a folder beside the machine, or that of a shipped machine.
-    pub(crate) fn beside(&self, folder: &str) -> Result<Definition, Error> {
+    pub(crate) fn beside(&self, folder: &str) -> Result<WrittenDefinition, Error> {
         definition(&self.files, folder).map_err(|findings| self.unusable(&findings))
     }
 

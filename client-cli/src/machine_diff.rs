@@ -7,15 +7,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use counterpoint_kernel::machine::{
-    DefinedComponent, Definition, DefinitionKey, DefinitionRow, is_section_of_composites, show, without_key,
+    DefinedComponent, DefinitionKey, DefinitionRow, WrittenDefinition, is_section_of_composites, show, without_key,
 };
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::arguments::Part;
+use crate::arguments::MachinePart;
 use crate::error::Error;
 use crate::local_machine::LocalMachine;
-use crate::machine_view::{self, View};
+use crate::machine_view::{self, TableView};
 use crate::say;
 
 /// Keys that name the definition itself and therefore always differ.
@@ -62,20 +62,20 @@ pub(crate) fn diff(a: &str, b: &str, json: bool) -> Result<u8, Error> {
 }
 
 /// The rows of a definition and of its components, whose sections begin with the component: `MILL: codes`.
-fn flat(definition: Definition) -> Definition {
-    let Definition { chain, mut rows, components } = definition;
+fn flat(definition: WrittenDefinition) -> WrittenDefinition {
+    let WrittenDefinition { chain, mut rows, components } = definition;
     for component in components {
         for row in component.definition.rows {
             let place = if row.section.is_empty() { ABOVE } else { &row.section };
             rows.push(DefinitionRow { section: format!("{}: {place}", component.designator), ..row });
         }
     }
-    Definition { chain, rows, components: Vec::new() }
+    WrittenDefinition { chain, rows, components: Vec::new() }
 }
 
 /// The definition from which a machine differs: that of its family, whose components are those of the family; otherwise
 /// the definitions that the rows of the components name.
-fn base(local: &LocalMachine, own: &Definition) -> Result<Definition, Error> {
+fn base(local: &LocalMachine, own: &WrittenDefinition) -> Result<WrittenDefinition, Error> {
     let mut base = local.family(own)?.unwrap_or_default();
     for component in &own.components {
         if base.components.iter().all(|known| known.designator != component.designator) {
@@ -88,7 +88,7 @@ fn base(local: &LocalMachine, own: &Definition) -> Result<Definition, Error> {
 }
 
 /// The differences of a machine from the family that it extends, or from the defaults without a family.
-pub(crate) fn changed(machine: &str, part: Part, view: &View, json: bool) -> Result<u8, Error> {
+pub(crate) fn changed(machine: &str, part: MachinePart, view: &TableView, json: bool) -> Result<u8, Error> {
     let local = LocalMachine::open(machine)?;
     let own = local.definition()?;
     let name = own.chain.get(1).map_or("the defaults", String::as_str).to_owned();
@@ -121,17 +121,17 @@ pub(crate) fn changed(machine: &str, part: Part, view: &View, json: bool) -> Res
 }
 
 /// Sections of a part of the machine; none means all.
-fn sections(part: Part) -> Result<&'static [&'static str], Error> {
+fn sections(part: MachinePart) -> Result<&'static [&'static str], Error> {
     Ok(match part {
-        Part::All => &[],
-        Part::Codes => &["codes", "questionnaire", "time.m_codes"],
-        Part::Data => &["data"],
-        Part::Groups => &["codes", "initial", "questionnaire"],
-        Part::Macros => &["macros", "macros.code", "macros.data"],
-        Part::Axes => &["axes", "kinematics"],
-        Part::Channels => &["channels", "spindles", "components"],
-        Part::Refusals => &["refusals"],
-        Part::Undefined => {
+        MachinePart::All => &[],
+        MachinePart::Codes => &["codes", "questionnaire", "time.m_codes"],
+        MachinePart::Data => &["data"],
+        MachinePart::Groups => &["codes", "initial", "questionnaire"],
+        MachinePart::Macros => &["macros", "macros.code", "macros.data"],
+        MachinePart::Axes => &["axes", "kinematics"],
+        MachinePart::Channels => &["channels", "spindles", "components"],
+        MachinePart::Refusals => &["refusals"],
+        MachinePart::Undefined => {
             return Err(Error::Usage("--changed: the part `undefined` has no keys that could differ".to_owned()));
         }
     })
@@ -180,7 +180,7 @@ fn default_of(local: &LocalMachine, section: &str, key: &str) -> Option<Value> {
 /// Rows by section and name.
 type Rows<'d> = BTreeMap<(&'d str, &'d str), Vec<&'d DefinitionRow>>;
 
-fn changes(a: &Definition, b: &Definition) -> Vec<Changed> {
+fn changes(a: &WrittenDefinition, b: &WrittenDefinition) -> Vec<Changed> {
     let (mut rows, before, after) = (Vec::new(), by_name(a), by_name(b));
     // Sections in the order of the first definition, then those of the second one alone.
     let mut order: Vec<(&str, &str)> = Vec::new();
@@ -222,7 +222,7 @@ fn changes(a: &Definition, b: &Definition) -> Vec<Changed> {
     rows
 }
 
-fn by_name(definition: &Definition) -> Rows<'_> {
+fn by_name(definition: &WrittenDefinition) -> Rows<'_> {
     let mut rows = Rows::new();
     for row in &definition.rows {
         rows.entry((row.section.as_str(), row.name.as_str())).or_default().push(row);
@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn equal_rows_cancel_out_and_others_are_compared() {
-        let definition = |rows| Definition { rows, ..Definition::default() };
+        let definition = |rows| WrittenDefinition { rows, ..WrittenDefinition::default() };
         let a = definition(vec![
             row("ce", "", &[("name", "a")]),
             row("refusals", "PS1", &[("text", "one")]),

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::pack::{DEFINITION, Files, file_name, files_of};
+use crate::pack::{DEFINITION, PackedFiles, file_name, files_of};
 
 /// Whether a machine argument means a folder.
 pub(crate) fn is_folder(machine: &str) -> bool {
@@ -20,11 +20,11 @@ fn is_definition(path: &Path) -> bool {
 }
 
 /// Packs a machine folder and the folders beside it that it needs; returns the name of the machine, too.
-pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
+pub(crate) fn machine(folder: &Path) -> Result<(String, PackedFiles), Error> {
     let folder = fs::canonicalize(folder).map_err(Error::file(folder))?;
     let folder = if is_definition(&folder) { folder.parent().map(Path::to_owned).unwrap_or_default() } else { folder };
     let name = file_name(&folder)?;
-    let mut files = Files::default();
+    let mut files = PackedFiles::default();
     let mut seen: BTreeSet<String> = BTreeSet::new();
     let mut left: Vec<(String, PathBuf)> = vec![(name.clone(), folder)];
     while let Some((name, folder)) = left.pop() {
@@ -82,7 +82,7 @@ fn stays_in(root: &Path, path: &Path) -> bool {
 }
 
 /// Adds a folder and its subfolders. Hidden entries, links to folders and links to files outside `root` are skipped.
-fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
+fn whole_folder(files: &mut PackedFiles, root: &Path, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
     const DEEPEST: usize = 8;
     for path in files_of(folder)? {
         let file = file_name(&path)?;

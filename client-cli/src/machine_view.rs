@@ -9,13 +9,13 @@ use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
 use crate::error::Error;
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 use crate::say;
 use crate::text::table;
 
 /// How to show the rows of tables.
 #[derive(Debug, Default)]
-pub(crate) struct View {
+pub(crate) struct TableView {
     /// Heading of the column by which rows are sorted.
     pub(crate) sort: Option<String>,
     /// Text that a row must contain, in any letter case.
@@ -26,7 +26,7 @@ pub(crate) struct View {
 const KEYS: [(&str, &str); 6] =
     [("code", "id"), ("data", "id"), ("axis", "name"), ("macro", "id"), ("channel", "number"), ("register", "name")];
 
-impl View {
+impl TableView {
     fn changes_nothing(&self) -> bool {
         self.sort.is_none() && self.filter.is_none()
     }
@@ -306,7 +306,7 @@ mod tests {
     const TABLES: &str = "word  code  max rev/min  defined\nG17   B     2            m.toml:17\nG9    A     10           m.toml:9\n\nname  x\nq     1\n";
 
     fn view(sort: Option<&str>, filter: Option<&str>) -> Result<String, Error> {
-        View { sort: sort.map(str::to_owned), filter: filter.map(str::to_owned) }.text(TABLES)
+        TableView { sort: sort.map(str::to_owned), filter: filter.map(str::to_owned) }.text(TABLES)
     }
 
     #[test]
@@ -328,7 +328,7 @@ mod tests {
         let found = view(None, Some("g17")).expect("a table");
         assert_eq!(found.lines().count(), 2, "{found}");
         assert_eq!(view(None, None).ok().as_deref(), Some(TABLES));
-        let json = View { sort: Some("code".into()), filter: None };
+        let json = TableView { sort: Some("code".into()), filter: None };
         let (rows, _) = json.json(r#"{"codes":[{"id":"B9"},{"id":"B10"},{"id":"A1"}],"name":"x"}"#).expect("rows");
         let value: Value = serde_json::from_str(&rows).expect("JSON");
         assert_eq!(value["codes"], json!([{ "id": "A1" }, { "id": "B9" }, { "id": "B10" }]));

@@ -4,34 +4,34 @@ use std::path::Path;
 
 use counterpoint_proto::v1;
 
-use crate::arguments::{Machine, Part, Rows};
-use crate::client::Client;
+use crate::arguments::{MachineCommand, MachinePart, RowSelection};
+use crate::client::ServerSession;
 use crate::error::Error;
-use crate::machine_view::View;
+use crate::machine_view::TableView;
 use crate::text::table;
-use crate::tools::Tools;
+use crate::tools::ToolDefinitions;
 use crate::{findings, known, machine_diff, machine_folder, machine_view, own_machine, pack, say, tape_trial};
 
-pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
+pub(crate) async fn dispatch(command: MachineCommand) -> Result<u8, Error> {
     match command {
-        Machine::Check { machine, json, at } => check(&machine, json, at.address()).await,
-        Machine::New { folder, from } => own_machine::create(&folder, &from),
-        Machine::List { json, at } => list(json, at.address()).await,
-        Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
-        Machine::Show { machine, part, rows: Rows { changed: true, sort, filter }, json, .. } => {
-            machine_diff::changed(&machine, part, &View { sort, filter }, json)
+        MachineCommand::Check { machine, json, at } => check(&machine, json, at.address()).await,
+        MachineCommand::New { folder, from } => own_machine::create(&folder, &from),
+        MachineCommand::List { json, at } => list(json, at.address()).await,
+        MachineCommand::Delete { machine, remote } => delete(machine, &remote.server).await,
+        MachineCommand::Show { machine, part, rows: RowSelection { changed: true, sort, filter }, json, .. } => {
+            machine_diff::changed(&machine, part, &TableView { sort, filter }, json)
         }
-        Machine::Show { machine, part, rows, json, at } => {
-            let view = View { sort: rows.sort, filter: rows.filter };
+        MachineCommand::Show { machine, part, rows, json, at } => {
+            let view = TableView { sort: rows.sort, filter: rows.filter };
             show(&machine, part, &view, json, at.address()).await
         }
-        Machine::Diff { a, b, json } => machine_diff::diff(&a, &b, json),
-        Machine::Edit { machine, lines, all, json } => tape_trial::edit(&machine, &lines, all, json),
+        MachineCommand::Diff { a, b, json } => machine_diff::diff(&a, &b, json),
+        MachineCommand::Edit { machine, lines, all, json } => tape_trial::edit(&machine, &lines, all, json),
     }
 }
 
 async fn check(machine: &str, json: bool, server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
+    let client = ServerSession::at(server).await?;
     let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
     if machine_folder::is_folder(machine) {
         let (name, files) = machine_folder::machine(Path::new(machine))?;
@@ -56,7 +56,7 @@ async fn check(machine: &str, json: bool, server: Option<&str>) -> Result<u8, Er
 }
 
 async fn list(json: bool, server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
+    let client = ServerSession::at(server).await?;
     let (mut request, mut machines) = (v1::ListMachinesRequest::default(), Vec::new());
     loop {
         let page = client.machines().list_machines(request.clone()).await?.into_inner();
@@ -87,13 +87,19 @@ async fn list(json: bool, server: Option<&str>) -> Result<u8, Error> {
 }
 
 async fn delete(name: String, server: &str) -> Result<u8, Error> {
-    let client = Client::connect(server).await?;
+    let client = ServerSession::connect(server).await?;
     client.machines().delete_machine(v1::DeleteMachineRequest { name }).await?;
     Ok(0)
 }
 
-async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
+async fn show(
+    machine: &str,
+    part: MachinePart,
+    view: &TableView,
+    json: bool,
+    server: Option<&str>,
+) -> Result<u8, Error> {
+    let client = ServerSession::at(server).await?;
     let name = if machine_folder::is_folder(machine) {
         put_machine(&client, Path::new(machine)).await?
     } else {
@@ -101,16 +107,16 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
         machine.to_owned()
     };
     let section = match part {
-        Part::All | Part::Undefined => v1::MachineSection::All,
-        Part::Codes => v1::MachineSection::Codes,
-        Part::Data => v1::MachineSection::Data,
-        Part::Axes => v1::MachineSection::Axes,
-        Part::Channels => v1::MachineSection::Channels,
-        Part::Groups => v1::MachineSection::Groups,
-        Part::Macros => v1::MachineSection::Macros,
-        Part::Refusals => v1::MachineSection::Refusals,
+        MachinePart::All | MachinePart::Undefined => v1::MachineSection::All,
+        MachinePart::Codes => v1::MachineSection::Codes,
+        MachinePart::Data => v1::MachineSection::Data,
+        MachinePart::Axes => v1::MachineSection::Axes,
+        MachinePart::Channels => v1::MachineSection::Channels,
+        MachinePart::Groups => v1::MachineSection::Groups,
+        MachinePart::Macros => v1::MachineSection::Macros,
+        MachinePart::Refusals => v1::MachineSection::Refusals,
     };
-    let undefined = part == Part::Undefined;
+    let undefined = part == MachinePart::Undefined;
     let request = v1::GetMachineRequest { name, section: section.into(), json: json || undefined };
     let mut text = client.machines().get_machine(request).await?.into_inner().text;
     if undefined {
@@ -132,7 +138,7 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
 }
 
 /// Uploads a machine folder to the server; returns `name@revision`.
-pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
+pub(crate) async fn put_machine(client: &ServerSession, folder: &Path) -> Result<String, Error> {
     let (name, files) = machine_folder::machine(folder)?;
     put_files(client, name, files, None).await
 }
@@ -140,10 +146,10 @@ pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String
 /// Uploads the files of a machine to the server; returns `name@revision`. Findings in rows of a table of tools name its
 /// lines.
 pub(crate) async fn put_files(
-    client: &Client,
+    client: &ServerSession,
     name: String,
-    files: pack::Files,
-    tools: Option<&Tools>,
+    files: pack::PackedFiles,
+    tools: Option<&ToolDefinitions>,
 ) -> Result<String, Error> {
     let own = format!("{name}/machine.toml");
     let place = |file: &str, line: u32| tools.filter(|_| file == own).and_then(|tools| tools.place(line));
@@ -181,6 +187,6 @@ pub(crate) async fn put_files(
 }
 
 /// Files of a machine in wire form.
-fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
+fn machine_files(files: pack::PackedFiles) -> Vec<v1::MachineFile> {
     files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest().to_owned() }).collect()
 }

@@ -69,7 +69,7 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 fn main() -> ExitCode {
-    let arguments = match arguments::Arguments::try_parse() {
+    let arguments = match arguments::CliArgs::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
             let error = arguments::with_similar_command(error);

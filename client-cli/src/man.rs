@@ -9,7 +9,7 @@ use std::path::Path;
 use clap::{Command, CommandFactory as _};
 use clap_mangen::Man;
 
-use crate::arguments::Arguments;
+use crate::arguments::CliArgs;
 use crate::error::Error;
 use crate::say;
 
@@ -37,7 +37,7 @@ pub(crate) fn print() -> Result<u8, Error> {
 }
 
 fn built() -> Command {
-    let mut command = Arguments::command().disable_help_subcommand(true);
+    let mut command = CliArgs::command().disable_help_subcommand(true);
     command.build();
     command
 }
@@ -134,7 +134,7 @@ mod tests {
     fn each_command_has_a_page() {
         let folder = tempfile::tempdir().unwrap();
         write(folder.path()).unwrap();
-        let pages = all(&Arguments::command(), "");
+        let pages = all(&CliArgs::command(), "");
         assert!(pages.len() > 35 && pages.iter().any(|(name, _)| name == "counterpoint-machine-new"), "{pages:?}");
         for (name, about) in &pages {
             let page = std::fs::read_to_string(folder.path().join(format!("{name}.1"))).unwrap();

@@ -7,18 +7,18 @@ use std::io::{BufRead as _, IsTerminal as _, Write as _, stdin};
 use counterpoint_proto::v1;
 
 use crate::arguments::{JobFilter, Many};
-use crate::client::Client;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::{job_names, jobs, say};
 
 /// Action on the selected jobs.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Act {
+pub(crate) enum JobAction {
     Cancel,
     Delete,
 }
 
-impl Act {
+impl JobAction {
     fn verb(self) -> &'static str {
         match self {
             Self::Cancel => "cancel",
@@ -33,7 +33,7 @@ impl Act {
         }
     }
 
-    async fn one(self, client: &Client, job_id: String) -> Result<(), Error> {
+    async fn one(self, client: &ServerSession, job_id: String) -> Result<(), Error> {
         match self {
             Self::Cancel => {
                 jobs::say_ended(client, &job_id).await?;
@@ -47,7 +47,7 @@ impl Act {
     /// Acts on one page of jobs, or only lists it; returns the ids and the token of the next page.
     async fn page(
         self,
-        client: &Client,
+        client: &ServerSession,
         filter: &v1::JobFilter,
         all: bool,
         dry_run: bool,
@@ -71,7 +71,7 @@ impl Act {
     /// Acts on all pages of jobs, or only lists them; returns the number of jobs.
     async fn pages(
         self,
-        client: &Client,
+        client: &ServerSession,
         filter: &JobFilter,
         all: bool,
         dry_run: bool,
@@ -96,7 +96,7 @@ fn jobs_of(count: usize) -> String {
 }
 
 /// Whether the user confirms the action.
-fn confirmed(act: Act, count: usize) -> Result<bool, Error> {
+fn confirmed(act: JobAction, count: usize) -> Result<bool, Error> {
     let (verb, jobs) = (act.verb(), jobs_of(count));
     if !stdin().is_terminal() {
         return Err(Error::Usage(format!(
@@ -110,8 +110,8 @@ fn confirmed(act: Act, count: usize) -> Result<bool, Error> {
 }
 
 /// Executes `cancel` or `delete`.
-pub(crate) async fn act(act: Act, arguments: Many) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+pub(crate) async fn act(act: JobAction, arguments: Many) -> Result<u8, Error> {
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let Many { job, filter, all, dry_run, yes, quiet, .. } = arguments;
     if let Some(job) = job {
         let job = job_names::whole(&client, &job).await?;

@@ -4,17 +4,17 @@
 
 use std::path::Path;
 
-use crate::arguments::{Format, ResultKind};
-use crate::client::Client;
+use crate::arguments::{OutputFormat, ResultKind};
+use crate::client::ServerSession;
 use crate::draft;
 use crate::error::Error;
-use crate::progress::Steps;
+use crate::progress::ResultProgress;
 use crate::report::report;
 use crate::results;
 use crate::say::{self, DIM, styled};
 use crate::standard_input;
-use crate::summary::Summary;
-use crate::timeline::{Timeline, draw};
+use crate::summary::ReportSummary;
+use crate::timeline::{TextTimeline, draw};
 
 /// Columns of the timeline in a report that is written to a file.
 const REPORT_WIDTH: usize = 100;
@@ -37,12 +37,13 @@ impl OutputFolder<'_> {
     /// refuses a result, the others are still written.
     pub(crate) async fn write(
         &self,
-        client: &Client,
+        client: &ServerSession,
         job: &str,
-        (summary, text): (&Summary, &[u8]),
+        (summary, text): (&ReportSummary, &[u8]),
         quiet: bool,
     ) -> Result<(), Error> {
-        let mut writing = Writing { client, job, folder: self.folder, steps: Steps::new(quiet), failed: Vec::new() };
+        let mut writing =
+            Writing { client, job, folder: self.folder, steps: ResultProgress::new(quiet), failed: Vec::new() };
         self.write_all(&mut writing, (summary, text)).await?;
         let Writing { steps, failed, .. } = writing;
         steps.clear();
@@ -52,7 +53,11 @@ impl OutputFolder<'_> {
         if failed.is_empty() { Ok(()) } else { Err(Error::NotWritten(failed)) }
     }
 
-    async fn write_all(&self, writing: &mut Writing<'_>, (summary, text): (&Summary, &[u8])) -> Result<(), Error> {
+    async fn write_all(
+        &self,
+        writing: &mut Writing<'_>,
+        (summary, text): (&ReportSummary, &[u8]),
+    ) -> Result<(), Error> {
         let (folder, wanted) = (self.folder, self.wanted);
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
         if wanted(ResultKind::Summary) {
@@ -60,7 +65,7 @@ impl OutputFolder<'_> {
         }
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
         for (name, what, channel, format) in self.files(&channels) {
-            let form = results::Form { format, crlf: self.crlf };
+            let form = results::ResultFormat { format, crlf: self.crlf };
             writing.result(&name, what, channel, form).await?;
         }
         if wanted(ResultKind::Report) {
@@ -74,14 +79,14 @@ impl OutputFolder<'_> {
         Ok(())
     }
 
-    async fn report(&self, writing: &Writing<'_>, summary: &Summary) -> Result<(), Error> {
+    async fn report(&self, writing: &Writing<'_>, summary: &ReportSummary) -> Result<(), Error> {
         let timeline = drawn_timeline(writing.client, writing.job, REPORT_WIDTH).await?;
         let text = self.heading.clone() + &report(summary, true) + &timeline;
         draft::write(&self.folder.join("report.txt"), say::plain(&text).as_bytes())
     }
 
     /// Files that are read from the server unchanged: their names and results.
-    fn files(&self, channels: &[u32]) -> Vec<(String, ResultKind, u32, Format)> {
+    fn files(&self, channels: &[u32]) -> Vec<(String, ResultKind, u32, OutputFormat)> {
         use ResultKind::{Console, Events, Listing, Log, Timeline, Toolpath, Trace};
         let program = if self.program == standard_input::NAME { "stdin" } else { self.program };
         let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
@@ -89,20 +94,20 @@ impl OutputFolder<'_> {
         for (what, extension) in [(Listing, "lce"), (Log, "log")] {
             for &channel in channels {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
-                files.push((format!("{stem}{of}.{extension}"), what, channel, Format::Svg));
+                files.push((format!("{stem}{of}.{extension}"), what, channel, OutputFormat::Svg));
             }
         }
         if channels.len() > 1 {
-            files.push((format!("{stem}.lce"), Listing, 0, Format::Svg));
+            files.push((format!("{stem}.lce"), Listing, 0, OutputFormat::Svg));
         }
-        files.push(("console.txt".to_owned(), Console, 0, Format::Svg));
-        files.extend(channels.iter().map(|&channel| (format!("{channel}.trace"), Trace, channel, Format::Svg)));
+        files.push(("console.txt".to_owned(), Console, 0, OutputFormat::Svg));
+        files.extend(channels.iter().map(|&channel| (format!("{channel}.trace"), Trace, channel, OutputFormat::Svg)));
         let drawings = [
-            (Events, Format::Json, "events.jsonl"),
-            (Timeline, Format::Svg, "timeline.svg"),
-            (Timeline, Format::Json, "timeline.json"),
-            (Toolpath, Format::Svg, "toolpath.svg"),
-            (Toolpath, Format::Json, "toolpath.json"),
+            (Events, OutputFormat::Json, "events.jsonl"),
+            (Timeline, OutputFormat::Svg, "timeline.svg"),
+            (Timeline, OutputFormat::Json, "timeline.json"),
+            (Toolpath, OutputFormat::Svg, "toolpath.svg"),
+            (Toolpath, OutputFormat::Json, "toolpath.json"),
         ];
         files.extend(drawings.map(|(what, format, name)| (name.to_owned(), what, 0, format)));
         files.retain(|(_, what, ..)| (self.wanted)(*what));
@@ -112,16 +117,22 @@ impl OutputFolder<'_> {
 
 /// The results being written.
 struct Writing<'a> {
-    client: &'a Client,
+    client: &'a ServerSession,
     job: &'a str,
     folder: &'a Path,
-    steps: Steps,
+    steps: ResultProgress,
     /// Files that the server refused, with its refusals.
     failed: Vec<(String, Error)>,
 }
 
 impl Writing<'_> {
-    async fn result(&mut self, name: &str, what: ResultKind, channel: u32, form: results::Form) -> Result<(), Error> {
+    async fn result(
+        &mut self,
+        name: &str,
+        what: ResultKind,
+        channel: u32,
+        form: results::ResultFormat,
+    ) -> Result<(), Error> {
         let path = self.folder.join(name);
         self.steps.show(&path);
         let written = results::file(self.client, self.job, what, channel, form, &path).await;
@@ -139,8 +150,8 @@ impl Writing<'_> {
 }
 
 /// The timeline of a job as text of this many columns.
-pub(crate) async fn drawn_timeline(client: &Client, job: &str, width: usize) -> Result<String, Error> {
-    let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
-    let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
+pub(crate) async fn drawn_timeline(client: &ServerSession, job: &str, width: usize) -> Result<String, Error> {
+    let json = results::whole(client, job, ResultKind::Timeline, 0, OutputFormat::Json.into()).await?;
+    let timeline: TextTimeline = serde_json::from_slice(&json).unwrap_or_default();
     Ok(draw(&timeline, width))
 }

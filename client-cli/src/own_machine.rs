@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::files::JobFiles as _;
 use counterpoint_kernel::machine::package;
 use counterpoint_lang::ident;
 
@@ -186,13 +186,13 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::files::MemoryFiles;
     use counterpoint_kernel::machine::{load, package::Overlay};
 
     #[test]
     fn each_shipped_machine_can_be_the_start_of_an_own_one() {
         for from in package::shipped_names() {
-            let mut files = Memory::default();
+            let mut files = MemoryFiles::default();
             files.insert("own/machine.toml".to_owned(), definition("own", &from).into_bytes());
             let (own, shipped) = (load(&Overlay::over_shipped(files), "own"), load(&package::shipped(), &from));
             assert_eq!(own.findings, [], "{from}");

@@ -46,9 +46,9 @@ fn decoded(path: &Path, bytes: Vec<u8>, encoding: Option<Encoding>) -> Result<Bl
 
 /// Files by path inside the job or the machines folder.
 #[derive(Debug, Default)]
-pub(crate) struct Files(pub(crate) BTreeMap<String, Blob>);
+pub(crate) struct PackedFiles(pub(crate) BTreeMap<String, Blob>);
 
-impl Files {
+impl PackedFiles {
     pub(crate) fn add(&mut self, name: String, path: &Path) -> Result<(), Error> {
         self.add_in(name, path, None)
     }
@@ -69,13 +69,13 @@ impl Files {
 #[derive(Debug, Default)]
 pub(crate) struct Pack {
     pub(crate) programs: Vec<v1::Program>,
-    pub(crate) files: Files,
+    pub(crate) files: PackedFiles,
     /// The block that may call any program number, so that all numbered files beside a program were added.
     pub(crate) computed: Option<Computed>,
 }
 
 /// A program whose folder may have files that it calls.
-struct Beside {
+struct ProgramFolder {
     folder: PathBuf,
     /// Name of the program's file without its ending.
     stem: String,
@@ -83,9 +83,9 @@ struct Beside {
     name: String,
 }
 
-impl Beside {
+impl ProgramFolder {
     /// Whether the program has the number after P or O, as its calls have, and does not contain the program itself.
-    fn may_call(&self, number: u32, files: &Files) -> bool {
+    fn may_call(&self, number: u32, files: &PackedFiles) -> bool {
         files.0.get(&self.name).is_some_and(|blob| may_call(blob.content(), number) && !holds(blob.content(), number))
     }
 }
@@ -94,7 +94,7 @@ impl Beside {
 pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut pack = Pack::default();
     let mut used: BTreeMap<PathBuf, String> = BTreeMap::new();
-    let mut folders: Vec<Beside> = Vec::new();
+    let mut folders: Vec<ProgramFolder> = Vec::new();
     let piped = piped(inputs)?;
     for text in &inputs.programs {
         let (path, inside) = program(text)?;
@@ -122,7 +122,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         used.insert(path.clone(), name.clone());
         pack.programs.push(in_job(name.clone(), inside));
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        folders.push(Beside { folder: path.parent().map(Path::to_owned).unwrap_or_default(), stem, name });
+        folders.push(ProgramFolder { folder: path.parent().map(Path::to_owned).unwrap_or_default(), stem, name });
     }
     for with in &inputs.files.with {
         standard_input::refuse("--with", with)?;
@@ -234,7 +234,7 @@ pub(crate) fn file_name(path: &Path) -> Result<String, Error> {
 }
 
 /// The file's name; if another file has the same name, the name is preceded by its folder.
-fn free_name(files: &Files, path: &Path) -> Result<String, Error> {
+fn free_name(files: &PackedFiles, path: &Path) -> Result<String, Error> {
     let name = file_name(path)?;
     if !files.0.contains_key(&name) {
         return Ok(name);
@@ -256,7 +256,11 @@ pub(crate) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 
 /// Files of a program number that calls do not get, because another file beside them is the program or because they are
 /// copies.
-fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) -> Result<BTreeSet<String>, Error> {
+fn other_files_of_numbers(
+    paths: &[PathBuf],
+    program: &ProgramFolder,
+    files: &PackedFiles,
+) -> Result<BTreeSet<String>, Error> {
     let names: Vec<String> = paths.iter().map(|path| file_name(path)).collect::<Result<_, _>>()?;
     let mut left_out = BTreeSet::new();
     for (number, mut names) in by_number(names.into_iter()) {
@@ -283,7 +287,11 @@ fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) ->
 /// Adds the files beside a program that it may call: those known by their names, and those that the program or an added
 /// file mentions. If many files are named by program numbers, only those that may be called are added. Returns the
 /// block that computes the number of a call, if there is one.
-fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<Option<Computed>, Error> {
+fn neighbours(
+    files: &mut PackedFiles,
+    program: &ProgramFolder,
+    encoding: Option<Encoding>,
+) -> Result<Option<Computed>, Error> {
     let mut paths = BTreeMap::new();
     let mut mentionable = Mentionable::default();
     let (mut unread, mut taken) = (vec![program.name.clone()], Vec::new());

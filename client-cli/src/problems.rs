@@ -9,14 +9,14 @@ use std::fmt::Write as _;
 use crate::macros::{remedy, remedy_for};
 use crate::say::{self, BAD, DIM, styled};
 use crate::severity::{self, ERROR, WARNING};
-use crate::summary::{Diagnostic, Member, Summary, Verdict};
+use crate::summary::{ReportDiagnostic, ReportMember, ReportSummary, ReportVerdict};
 use crate::text::more;
 
 /// The verdict of a limit, in small letters.
 const LIMIT: &str = "limit";
 
 /// `2 errors, 1 warning`, empty without any.
-pub(crate) fn counts(summary: &Summary) -> String {
+pub(crate) fn counts(summary: &ReportSummary) -> String {
     let count = |of: &dyn Fn(u32) -> bool| own(summary).filter(|d| of(d.severity)).count();
     let errors = count(&|severity| severity >= ERROR) + usize::from(summary.verdict.is_some());
     let warnings = count(&|severity| (WARNING..ERROR).contains(&severity));
@@ -30,21 +30,22 @@ pub(crate) fn counts(summary: &Summary) -> String {
 }
 
 /// Diagnostics that are not the verdict.
-fn own(summary: &Summary) -> impl Iterator<Item = &Diagnostic> {
+fn own(summary: &ReportSummary) -> impl Iterator<Item = &ReportDiagnostic> {
     summary.diagnostics.iter().filter(|d| summary.verdict.as_ref().is_none_or(|verdict| !says(d, verdict)))
 }
 
 /// Whether a diagnostic repeats the verdict.
-fn says(diagnostic: &Diagnostic, verdict: &Verdict) -> bool {
+fn says(diagnostic: &ReportDiagnostic, verdict: &ReportVerdict) -> bool {
     diagnostic.severity >= ERROR && !diagnostic.text.is_empty() && verdict.text.contains(&diagnostic.text)
 }
 
 /// The problems as text, at most `most` kinds of diagnostics.
-pub(crate) fn problems(summary: &Summary, most: usize) -> String {
-    let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
+pub(crate) fn problems(summary: &ReportSummary, most: usize) -> String {
+    let mut groups: Vec<(&ReportDiagnostic, usize)> = Vec::new();
     for diagnostic in own(summary) {
-        let same = |g: &&mut (&Diagnostic, usize)| {
-            let what = |d: &'_ Diagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
+        let same = |g: &&mut (&ReportDiagnostic, usize)| {
+            let what =
+                |d: &'_ ReportDiagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
             what(g.0) == what(diagnostic) && g.0.text == diagnostic.text
         };
         match groups.iter_mut().find(same) {
@@ -80,7 +81,7 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
 }
 
 /// Prints the errors of a job, with its warnings if they count as errors, on standard error; nothing without any.
-pub(crate) fn say_errors(mut summary: Summary, warnings: bool) {
+pub(crate) fn say_errors(mut summary: ReportSummary, warnings: bool) {
     let least = if warnings { WARNING } else { ERROR };
     summary.diagnostics.retain(|diagnostic| diagnostic.severity >= least);
     let text = problems(&summary, usize::MAX);
@@ -90,7 +91,7 @@ pub(crate) fn say_errors(mut summary: Summary, warnings: bool) {
 }
 
 /// How many of the errors were reported before the verdict.
-fn before_verdict(summary: &Summary, errors: &[(&Diagnostic, usize)]) -> usize {
+fn before_verdict(summary: &ReportSummary, errors: &[(&ReportDiagnostic, usize)]) -> usize {
     let Some(verdict) = &summary.verdict else { return errors.len() };
     let Some(at) = summary.diagnostics.iter().position(|d| says(d, verdict)) else { return errors.len() };
     let later = summary.diagnostics.get(at..).unwrap_or_default();
@@ -106,7 +107,7 @@ fn class(severity: u32) -> u8 {
     }
 }
 
-fn one(d: &Diagnostic, count: usize, several: bool, explained: &mut Vec<u32>) -> String {
+fn one(d: &ReportDiagnostic, count: usize, several: bool, explained: &mut Vec<u32>) -> String {
     let (word, style) = severity::word(d.severity);
     let channel = if several && d.channel > 0 { format!("channel {} ", d.channel) } else { String::new() };
     let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
@@ -132,14 +133,15 @@ fn advise(out: &mut String, remedy: Option<String>) {
 }
 
 /// The verdict with the blocks at which its channels stopped.
-fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
+fn judged(summary: &ReportSummary, verdict: &ReportVerdict, several: bool) -> String {
     let number = summary.diagnostics.iter().find(|d| says(d, verdict)).map(|d| d.number);
     let head = match number {
         Some(number) => format!("{} {number} ({})", kind_word(&verdict.kind), verdict.kind),
         None => format!("{} ({})", kind_word(&verdict.kind), verdict.kind),
     };
     let mut out = format!("  {} {}\n", styled(BAD, head), verdict.text);
-    let quoted = |m: &&Member| m.line > 0 && !m.block.is_empty() && !verdict.text.contains(&format!("'{}'", m.block));
+    let quoted =
+        |m: &&ReportMember| m.line > 0 && !m.block.is_empty() && !verdict.text.contains(&format!("'{}'", m.block));
     for member in verdict.members.iter().filter(quoted) {
         let channel = if several { format!("channel {} ", member.channel) } else { String::new() };
         let block = format_args!("{channel}{}:{}: {}", member.file, member.line, member.block);
@@ -160,7 +162,7 @@ fn kind_word(kind: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    fn summary(text: &str) -> Summary {
+    fn summary(text: &str) -> ReportSummary {
         serde_json::from_str(text).unwrap()
     }
 

@@ -14,13 +14,13 @@ use crate::text::time;
 const PLAIN_EVERY: Duration = Duration::from_secs(2);
 
 /// Shows progress.
-pub(crate) enum Progress {
+pub(crate) enum ProgressDisplay {
     Quiet,
     Plain { said: Instant },
     Bars { all: MultiProgress, bars: Vec<ProgressBar> },
 }
 
-impl Progress {
+impl ProgressDisplay {
     pub(crate) fn new(quiet: bool) -> Self {
         match () {
             () if quiet => Self::Quiet,
@@ -72,13 +72,13 @@ impl Progress {
 }
 
 /// Shows which result is being written.
-pub(crate) enum Steps {
+pub(crate) enum ResultProgress {
     Quiet,
     Plain { said: Instant },
     Spinner(ProgressBar),
 }
 
-impl Steps {
+impl ResultProgress {
     pub(crate) fn new(quiet: bool) -> Self {
         match () {
             () if quiet => Self::Quiet,

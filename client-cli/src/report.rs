@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::problems::{counts, problems};
 use crate::say::{BAD, GOOD, WARN, styled};
-use crate::summary::{Summary, Tool, ToolTimes};
+use crate::summary::{ReportSummary, ReportTool, ReportToolTimes};
 use crate::text::{more, table, time};
 
 /// Diagnostics shown at most.
@@ -15,7 +15,7 @@ const TOOLS: usize = 20;
 const WAITS: usize = 20;
 
 /// The report.
-pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
+pub(crate) fn report(summary: &ReportSummary, verbose: bool) -> String {
     let most = |shown: usize| if verbose { usize::MAX } else { shown };
     let mut head = summary.state.clone();
     let counts = counts(summary);
@@ -44,7 +44,7 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     out
 }
 
-fn channels(summary: &Summary) -> String {
+fn channels(summary: &ReportSummary) -> String {
     let head = ["channel", "program", "state", "blocks", "end", "feed", "rapid", "misc", "wait"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(summary.channels.iter().map(|c| {
@@ -57,7 +57,7 @@ fn channels(summary: &Summary) -> String {
 }
 
 /// Tools with the times spent with them, from each load to the next one.
-fn tools(summary: &Summary, most: usize) -> String {
+fn tools(summary: &ReportSummary, most: usize) -> String {
     let all = || summary.channels.iter().flat_map(|c| c.tools.iter().map(move |tool| (c.channel, tool)));
     let count = all().count();
     if count == 0 {
@@ -79,7 +79,7 @@ fn tools(summary: &Summary, most: usize) -> String {
             row.extend([tool.diameter, tool.radius].map(size));
         }
         row.push(offsets(tool));
-        let ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns } = tool.times;
+        let ReportToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns } = tool.times;
         row.extend([feed_ns + rapid_ns + misc_ns + wait_ns, feed_ns, rapid_ns, misc_ns, wait_ns].map(time));
         rows.push(row);
     }
@@ -89,7 +89,7 @@ fn tools(summary: &Summary, most: usize) -> String {
 }
 
 /// Offsets that a tool was used with: `3`, `H3 D13` where they differ.
-fn offsets(tool: &Tool) -> String {
+fn offsets(tool: &ReportTool) -> String {
     let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     match (tool.length_offsets.as_slice(), tool.diameter_offsets.as_slice()) {
         ([], []) => "-".to_owned(),
@@ -100,7 +100,7 @@ fn offsets(tool: &Tool) -> String {
     }
 }
 
-fn waits(summary: &Summary, most: usize) -> String {
+fn waits(summary: &ReportSummary, most: usize) -> String {
     if summary.waits.is_empty() {
         return String::new();
     }

@@ -7,59 +7,59 @@ use std::path::{Component, Path};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use counterpoint_client::{Document, Drawing};
+use counterpoint_client::{DrawingFormat, ResultDocument};
 use counterpoint_proto::v1;
 
-use crate::arguments::{Format, ResultKind};
-use crate::client::Client;
+use crate::arguments::{OutputFormat, ResultKind};
+use crate::client::ServerSession;
 use crate::draft::Draft;
 use crate::error::Error;
-use crate::progress::Steps;
+use crate::progress::ResultProgress;
 
 /// Time between two looks at a result that is being read.
 const SHOW_EVERY: Duration = Duration::from_secs(1);
 
 /// Form of a result, as far as it has several.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Form {
+pub(crate) struct ResultFormat {
     /// Of drawings.
-    pub(crate) format: Format,
+    pub(crate) format: OutputFormat,
     /// Lines of listings end with CR and LF.
     pub(crate) crlf: bool,
 }
 
-impl From<Format> for Form {
-    fn from(format: Format) -> Self {
+impl From<OutputFormat> for ResultFormat {
+    fn from(format: OutputFormat) -> Self {
         Self { format, crlf: false }
     }
 }
 
 /// Result of a kind; `None` for the files that macros have written, which are many.
-fn document(what: ResultKind, channel: u32, Form { format, crlf }: Form) -> Option<Document> {
+fn document(what: ResultKind, channel: u32, ResultFormat { format, crlf }: ResultFormat) -> Option<ResultDocument> {
     let drawing = match format {
-        Format::Svg => Drawing::Svg,
-        Format::Json => Drawing::Json,
+        OutputFormat::Svg => DrawingFormat::Svg,
+        OutputFormat::Json => DrawingFormat::Json,
     };
     Some(match what {
-        ResultKind::Summary => Document::Summary,
-        ResultKind::Listing => Document::Listing { channel, crlf },
-        ResultKind::Log => Document::Log { channel, crlf },
-        ResultKind::Console => Document::Console { channel, crlf },
-        ResultKind::Trace => Document::Trace { channel },
-        ResultKind::Timeline => Document::Timeline(drawing),
-        ResultKind::Toolpath => Document::Toolpath(drawing),
-        ResultKind::Events => Document::Events,
+        ResultKind::Summary => ResultDocument::Summary,
+        ResultKind::Listing => ResultDocument::Listing { channel, crlf },
+        ResultKind::Log => ResultDocument::Log { channel, crlf },
+        ResultKind::Console => ResultDocument::Console { channel, crlf },
+        ResultKind::Trace => ResultDocument::Trace { channel },
+        ResultKind::Timeline => ResultDocument::Timeline(drawing),
+        ResultKind::Toolpath => ResultDocument::Toolpath(drawing),
+        ResultKind::Events => ResultDocument::Events,
         ResultKind::Files | ResultKind::Report | ResultKind::All => return None,
     })
 }
 
 /// Hands every chunk of a result to `put`.
 pub(crate) async fn each(
-    client: &Client,
+    client: &ServerSession,
     job: &str,
     what: ResultKind,
     channel: u32,
-    form: Form,
+    form: ResultFormat,
     put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
 ) -> Result<(), Error> {
     match document(what, channel, form) {
@@ -75,9 +75,9 @@ pub(crate) async fn each(
 }
 
 async fn drain(
-    client: &Client,
+    client: &ServerSession,
     job: &str,
-    document: &Document,
+    document: &ResultDocument,
     put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
 ) -> Result<(), Error> {
     let mut chunks = client.document(job, document).await?;
@@ -88,7 +88,7 @@ async fn drain(
 }
 
 /// Writes the files that macros have written below a folder.
-pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(), Error> {
+pub(crate) async fn files(client: &ServerSession, job: &str, folder: &Path) -> Result<(), Error> {
     for v1::WrittenFile { path, .. } in client.files(job).await? {
         let inside = Path::new(&path).components().all(|part| matches!(part, Component::Normal(_)));
         if !inside || path.contains([':', '\\']) {
@@ -101,7 +101,7 @@ pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(
             std::fs::create_dir_all(parent).map_err(Error::file(parent))?;
         }
         let mut draft = Draft::new(&place)?;
-        drain(client, job, &Document::File(path), &mut |data| draft.write(data)).await?;
+        drain(client, job, &ResultDocument::File(path), &mut |data| draft.write(data)).await?;
         draft.finish()?;
     }
     Ok(())
@@ -109,11 +109,11 @@ pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(
 
 /// A whole result.
 pub(crate) async fn whole(
-    client: &Client,
+    client: &ServerSession,
     job: &str,
     what: ResultKind,
     channel: u32,
-    form: Form,
+    form: ResultFormat,
 ) -> Result<Vec<u8>, Error> {
     let mut whole = Vec::new();
     let mut put = |data: &[u8]| {
@@ -136,7 +136,7 @@ fn step(path: &Path, received: u64) -> String {
 /// Shows the step of some work on a terminal until the work is done.
 async fn in_steps<T>(every: Duration, work: impl Future<Output = T>, step: impl Fn() -> String) -> T {
     let mut work = std::pin::pin!(work);
-    let mut steps = Steps::new(!std::io::stderr().is_terminal());
+    let mut steps = ResultProgress::new(!std::io::stderr().is_terminal());
     let done = loop {
         match tokio::time::timeout(every, &mut work).await {
             Ok(done) => break done,
@@ -149,11 +149,11 @@ async fn in_steps<T>(every: Duration, work: impl Future<Output = T>, step: impl 
 
 /// A result into a file.
 pub(crate) async fn file(
-    client: &Client,
+    client: &ServerSession,
     job: &str,
     what: ResultKind,
     channel: u32,
-    form: Form,
+    form: ResultFormat,
     path: &Path,
 ) -> Result<(), Error> {
     if what == ResultKind::Files {

@@ -3,7 +3,7 @@
 use counterpoint_proto::v1;
 use counterpoint_server::utc::instant;
 
-use crate::client::Client;
+use crate::client::ServerSession;
 use crate::error::Error;
 
 /// Characters of an id in a printed line; commands accept this prefix.
@@ -19,7 +19,7 @@ pub(crate) fn note(status: &v1::JobStatus) -> Option<String> {
 }
 
 /// The equal job whose results a job has, with the end of its run, and whether it was deleted.
-pub(crate) async fn source(client: &Client, status: &v1::JobStatus) -> Result<String, Error> {
+pub(crate) async fn source(client: &ServerSession, status: &v1::JobStatus) -> Result<String, Error> {
     let job_id = status.reused_from.clone();
     if job_id.is_empty() {
         return Ok(job_id);

@@ -8,10 +8,10 @@ use std::path::Path;
 use counterpoint_client::{Blob, Update};
 use counterpoint_proto::v1;
 
-use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit, Timing};
-use crate::attend::{Attendant, Next};
-use crate::client::{Asked, Client, Submitted};
-use crate::codes::{self, Stage};
+use crate::arguments::{ExitCodes, Inputs, OutputFormat, RaceCheck, ResultKind, RunArgs, Submit, Timing};
+use crate::attend::{AttendEvent, Attendant};
+use crate::client::{RequestedResults, ServerSession, SubmittedJob};
+use crate::codes::{self, FailureStage};
 use crate::error::Error;
 use crate::json_summary::with_remedies;
 use crate::local_machine::LocalMachine;
@@ -19,16 +19,16 @@ use crate::numbered::Computed;
 use crate::outcome::{exit_code, not_run};
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::problems::say_errors;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::report::report;
 use crate::say::{self, DIM, styled};
-use crate::settings::{self, Setting};
-use crate::step::{Interrupt, Stepper};
-use crate::summary::Summary;
+use crate::settings::{self, MachineSetting};
+use crate::step::{Interrupt, StepClient};
+use crate::summary::ReportSummary;
 use crate::{changed_machine, guess, jobs, known, machine_folder, machines, pack, results};
 
 /// Runs programs on a server in this process.
-pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
+pub(crate) async fn run(arguments: RunArgs) -> Result<u8, Error> {
     let (severity, strict) = (arguments.exit_code == ExitCodes::Severity, arguments.strict);
     match carry_out(arguments).await {
         Ok((status, _)) if severity => Ok(codes::of_job(&status)),
@@ -43,22 +43,23 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
 }
 
 /// Runs the job; returns how it ended, and the plain exit code if it could not be run.
-async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage, Error)> {
-    let at = |stage: Stage| move |error: Error| (stage, error);
+async fn carry_out(arguments: RunArgs) -> Result<(v1::JobStatus, Option<u8>), (FailureStage, Error)> {
+    let at = |stage: FailureStage| move |error: Error| (stage, error);
     if arguments.inputs.operator.step && (arguments.inputs.operator.attend || arguments.json || arguments.quiet) {
         let text = "--step reads standard input and writes stops to standard output: it goes without --attend, --json and --quiet";
-        return Err((Stage::Programs, Error::Usage(text.to_owned())));
+        return Err((FailureStage::Programs, Error::Usage(text.to_owned())));
     }
     let piped = pack::reads_standard_input(&arguments.inputs.programs);
     if piped && (arguments.inputs.operator.step || arguments.inputs.operator.attend) {
         let text = "--step and --attend read standard input, which is a program here (-): give the program as a file";
-        return Err((Stage::Programs, Error::Usage(text.to_owned())));
+        return Err((FailureStage::Programs, Error::Usage(text.to_owned())));
     }
-    let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
+    let pack = pack::job(&arguments.inputs).map_err(at(FailureStage::Programs))?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let embedded = Client::embed(asked(&arguments), arguments.allow_system, arguments.inputs.operator.step).await;
-    let client = embedded.map_err(at(Stage::Submission))?;
-    let name = machine(&client, &arguments.inputs, &pack, arguments.quiet).await.map_err(at(Stage::Machine))?;
+    let embedded =
+        ServerSession::embed(asked(&arguments), arguments.allow_system, arguments.inputs.operator.step).await;
+    let client = embedded.map_err(at(FailureStage::Submission))?;
+    let name = machine(&client, &arguments.inputs, &pack, arguments.quiet).await.map_err(at(FailureStage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let stepped = arguments.inputs.operator.step;
@@ -67,27 +68,33 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let job =
         submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, ..Submission::default() })
             .await;
-    let job = job.map_err(at(Stage::Submission))?.job;
-    let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
+    let job = job.map_err(at(FailureStage::Submission))?.job;
+    let status =
+        follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(FailureStage::Submission))?;
     if let Some(code) = not_run(&status) {
         return Ok((status, Some(code)));
     }
-    show(&arguments, &client, &job, (&first, draws)).await.map_err(at(Stage::Results))?;
+    show(&arguments, &client, &job, (&first, draws)).await.map_err(at(FailureStage::Results))?;
     Ok((status, None))
 }
 
 /// The results requested after the run.
-fn asked(arguments: &Run) -> Asked {
+fn asked(arguments: &RunArgs) -> RequestedResults {
     let wanted = |what| arguments.out.is_some() && arguments.wants(what);
     let trace = wanted(ResultKind::Trace) && !arguments.inputs.trace.is_empty();
     let read = [ResultKind::Listing, ResultKind::Events, ResultKind::Log, ResultKind::Console];
-    Asked { log: trace || read.into_iter().any(wanted), toolpath: wanted(ResultKind::Toolpath) }
+    RequestedResults { log: trace || read.into_iter().any(wanted), toolpath: wanted(ResultKind::Toolpath) }
 }
 
 /// Writes the results of an ended job into the folder and prints the report.
-async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
-    let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
-    let summary: Summary = serde_json::from_slice(&text)
+async fn show(
+    arguments: &RunArgs,
+    client: &ServerSession,
+    job: &str,
+    (first, draws): (&str, bool),
+) -> Result<(), Error> {
+    let text = results::whole(client, job, ResultKind::Summary, 0, OutputFormat::Json.into()).await?;
+    let summary: ReportSummary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     if let Some(folder) = &arguments.out {
         let traced = !arguments.inputs.trace.is_empty();
@@ -130,7 +137,7 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
         return submit_each(arguments).await;
     }
     let pack = pack::job(&arguments.inputs)?;
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, &pack, false).await?;
     let submission = submission(&arguments, jobs::request(&arguments.request));
     let job = submit_pack(&client, &arguments.inputs, pack, name, submission).await?;
@@ -140,11 +147,11 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 
 /// Submits one of several programs. While the server has no room for the job, the program waits.
 async fn submit_next(
-    client: &Client,
+    client: &ServerSession,
     arguments: &Submit,
     request: v1::SubmitJobRequest,
     program: &str,
-) -> Result<Submitted, Error> {
+) -> Result<SubmittedJob, Error> {
     let inputs = &arguments.inputs;
     let mut pack = pack::job(inputs)?;
     let name = machine(client, inputs, &pack, false).await?;
@@ -183,7 +190,7 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
 }
 
 async fn submit_all(arguments: &mut Submit, count: &mut usize) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let id = jobs::request(&arguments.request).request_id;
     let mut code = 0;
     for (number, program) in (1..).zip(std::mem::take(&mut arguments.inputs.programs)) {
@@ -196,7 +203,7 @@ async fn submit_all(arguments: &mut Submit, count: &mut usize) -> Result<u8, Err
         match done {
             Ok(submitted) if arguments.json => {
                 jobs::say_notes(&submitted);
-                let Submitted { job, duplicate, .. } = submitted;
+                let SubmittedJob { job, duplicate, .. } = submitted;
                 let mut line = serde_json::json!({ "job": job, "program": program });
                 if let (true, Some(fields)) = (duplicate, line.as_object_mut()) {
                     fields.insert("duplicate".to_owned(), true.into());
@@ -222,7 +229,12 @@ async fn submit_all(arguments: &mut Submit, count: &mut usize) -> Result<u8, Err
 }
 
 /// The machine to run on; one of a folder, or one with other data, is uploaded first.
-pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack, quiet: bool) -> Result<String, Error> {
+pub(crate) async fn machine(
+    client: &ServerSession,
+    inputs: &Inputs,
+    pack: &pack::Pack,
+    quiet: bool,
+) -> Result<String, Error> {
     let Some(machine) = &inputs.on.machine else {
         let guess = guess::machine(pack, settings::waits(&inputs.on.set).as_ref())?;
         if !quiet {
@@ -249,13 +261,13 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
 }
 
 /// The machine itself, or, with settings or a table of tools, a revision of it that has them.
-async fn changed(client: &Client, machine: &str, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+async fn changed(client: &ServerSession, machine: &str, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let folder = machine_folder::is_folder(machine);
     // Settings of warnings are options of the job.
-    let of_machine = |setting: &&Setting| !matches!(setting, Setting::Warning(..));
-    let set: Vec<Setting> = inputs.on.set.iter().filter(of_machine).cloned().collect();
+    let of_machine = |setting: &&MachineSetting| !matches!(setting, MachineSetting::Warning(..));
+    let set: Vec<MachineSetting> = inputs.on.set.iter().filter(of_machine).cloned().collect();
     let (name, files) = match (set.as_slice(), folder) {
-        ([], false) => (machine.to_owned(), pack::Files::default()),
+        ([], false) => (machine.to_owned(), pack::PackedFiles::default()),
         ([], true) => machine_folder::machine(Path::new(machine))?,
         (set, _) => changed_machine::machine(machine, set)?,
     };
@@ -285,12 +297,12 @@ pub(crate) struct Submission {
 }
 
 pub(crate) async fn submit_pack(
-    client: &Client,
+    client: &ServerSession,
     inputs: &Inputs,
     pack: pack::Pack,
     machine: String,
     Submission { request, attended, lint, no_cache }: Submission,
-) -> Result<Submitted, Error> {
+) -> Result<SubmittedJob, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     // Every machine accepts one program, so the machine of a job with one program is not checked.
     let several = pack.programs.len() > 1 && !client.is_embedded();
@@ -350,7 +362,7 @@ fn check_channels(machine: &str, programs: usize) -> Result<(), Error> {
 }
 
 /// Names the largest file in the refusal of a blob that is too large.
-fn too_large(error: Error, files: &pack::Files) -> Error {
+fn too_large(error: Error, files: &pack::PackedFiles) -> Error {
     let largest = files.0.iter().max_by_key(|(_, blob)| blob.content().len());
     match largest {
         Some((name, blob)) if error.reason().as_deref() == Some("BLOB_TOO_LARGE") => {
@@ -373,16 +385,16 @@ fn too_many(error: Error, count: usize, computed: Option<Computed>) -> Error {
 /// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped
 /// through and runs is paused instead.
 pub(crate) async fn follow(
-    client: &Client,
+    client: &ServerSession,
     job: &str,
     (quiet, attended, stepped): (bool, bool, bool),
 ) -> Result<v1::JobStatus, Error> {
     let mut watch = client.watch(job, v1::WatchLevel::Progress);
-    let progress = RefCell::new(Progress::new(quiet || stepped));
+    let progress = RefCell::new(ProgressDisplay::new(quiet || stepped));
     let asking = Cell::new(false);
     let attendant = if attended { Some(Attendant::start(client, job).await?) } else { None };
     let interrupt = Interrupt::default();
-    let stepper = if stepped { Some(Stepper::start(client, job).await?) } else { None };
+    let stepper = if stepped { Some(StepClient::start(client, job).await?) } else { None };
     let mut stepping = std::pin::pin!(step(stepper, &interrupt));
     let mut attending = std::pin::pin!(attend(attendant, &progress, &asking));
     let mut interrupts = 0;
@@ -415,7 +427,7 @@ pub(crate) async fn follow(
 }
 
 /// Executes the commands of the operator who steps through the job; the watch reports its end.
-async fn step(stepper: Option<Stepper>, interrupt: &Interrupt) -> Result<std::convert::Infallible, Error> {
+async fn step(stepper: Option<StepClient>, interrupt: &Interrupt) -> Result<std::convert::Infallible, Error> {
     if let Some(stepper) = stepper {
         stepper.drive(interrupt).await?;
     }
@@ -425,12 +437,12 @@ async fn step(stepper: Option<Stepper>, interrupt: &Interrupt) -> Result<std::co
 /// Answers all questions; hides the progress bars while a question is open.
 async fn attend(
     attendant: Option<Attendant>,
-    progress: &RefCell<Progress>,
+    progress: &RefCell<ProgressDisplay>,
     asking: &Cell<bool>,
 ) -> Result<std::convert::Infallible, Error> {
     let Some(mut attendant) = attendant else { return std::future::pending().await };
     loop {
-        let Next::Question(question) = attendant.next().await? else { return std::future::pending().await };
+        let AttendEvent::Question(question) = attendant.next().await? else { return std::future::pending().await };
         asking.set(true);
         progress.borrow_mut().clear();
         attendant.answer(question).await?;

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use counterpoint_kernel::diag;
-use counterpoint_kernel::log::info::Unit;
+use counterpoint_kernel::log::info::MachineUnit;
 
 /// The keys with their values.
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
@@ -21,13 +21,13 @@ const HIGHEST: u32 = 99_999_999;
 
 /// One datum of the machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Setting {
+pub(crate) enum MachineSetting {
     /// M codes that are waiting codes.
     Waits(RangeInclusive<u32>),
     /// Coordinates without a decimal point count least increments.
     Increments,
     /// Programs begin in inches, or in millimetres.
-    Units(Unit),
+    Units(MachineUnit),
     /// G-code system of a lathe: A, B or C.
     System(char),
     /// Common variables that all channels share.
@@ -36,7 +36,7 @@ pub(crate) enum Setting {
     Warning(u32, bool),
 }
 
-impl Setting {
+impl MachineSetting {
     /// The line of `[control]` for this setting, and the suffix of the machine's name.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
@@ -49,7 +49,7 @@ impl Setting {
     }
 }
 
-impl FromStr for Setting {
+impl FromStr for MachineSetting {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -86,8 +86,8 @@ impl FromStr for Setting {
                 other => Err(format!("'{other}' is not a way to count numbers: give {KEYS}")),
             },
             "units" => match value.trim() {
-                "mm" => Ok(Self::Units(Unit::Mm)),
-                "inch" => Ok(Self::Units(Unit::Inch)),
+                "mm" => Ok(Self::Units(MachineUnit::Mm)),
+                "inch" => Ok(Self::Units(MachineUnit::Inch)),
                 other => Err(format!("'{other}' is not a unit in which programs begin: give units=mm or units=inch")),
             },
             "system" => match value.trim() {
@@ -105,7 +105,7 @@ impl FromStr for Setting {
 }
 
 /// `warn.2900680=off`, `warn.feed-above-rates=off`.
-fn warning(name: &str, value: &str) -> Result<Setting, String> {
+fn warning(name: &str, value: &str) -> Result<MachineSetting, String> {
     let on = match value {
         "on" => true,
         "off" => false,
@@ -120,15 +120,15 @@ fn warning(name: &str, value: &str) -> Result<Setting, String> {
             let word = diag::name(number).unwrap_or_default();
             Err(format!("{number} ({word}) is an error: only warnings and messages can be switched"))
         }
-        _ => Ok(Setting::Warning(number, on)),
+        _ => Ok(MachineSetting::Warning(number, on)),
     }
 }
 
 /// The warnings that are switched off, or on; the last setting of a number counts.
-pub(crate) fn warnings(settings: &[Setting], on: bool) -> Vec<u32> {
+pub(crate) fn warnings(settings: &[MachineSetting], on: bool) -> Vec<u32> {
     let mut last: std::collections::BTreeMap<u32, bool> = std::collections::BTreeMap::new();
     for setting in settings {
-        if let Setting::Warning(number, on) = setting {
+        if let MachineSetting::Warning(number, on) = setting {
             last.insert(*number, *on);
         }
     }
@@ -136,9 +136,9 @@ pub(crate) fn warnings(settings: &[Setting], on: bool) -> Vec<u32> {
 }
 
 /// The waiting codes that a guess looks for, if they differ from those of the machines.
-pub(crate) fn waits(settings: &[Setting]) -> Option<RangeInclusive<u32>> {
-    let range = |setting: &Setting| match setting {
-        Setting::Waits(range) => Some(range.clone()),
+pub(crate) fn waits(settings: &[MachineSetting]) -> Option<RangeInclusive<u32>> {
+    let range = |setting: &MachineSetting| match setting {
+        MachineSetting::Waits(range) => Some(range.clone()),
         _ => None,
     };
     settings.iter().rev().find_map(range)
@@ -150,18 +150,19 @@ mod tests {
 
     #[test]
     fn a_setting_has_a_known_key_and_a_range() {
-        assert_eq!("waits=900-999".parse(), Ok(Setting::Waits(900..=999)));
-        assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
-        assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
-        assert_eq!("units=inch".parse(), Ok(Setting::Units(Unit::Inch)));
-        assert_eq!("units=mm".parse(), Ok(Setting::Units(Unit::Mm)));
-        assert_eq!("system=b".parse(), Ok(Setting::System('B')));
-        assert_eq!("shared=500-549".parse(), Ok(Setting::Shared(500, 549)));
-        assert_eq!("shared=#100-#100".parse(), Ok(Setting::Shared(100, 100)));
-        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), Some(900..=999));
-        assert_eq!("warn.2900680=off".parse(), Ok(Setting::Warning(2_900_680, false)));
-        assert_eq!("warn.feed-above-rates=on".parse(), Ok(Setting::Warning(2_900_680, true)));
-        let both = [Setting::Warning(1, false), Setting::Warning(2, false), Setting::Warning(1, true)];
+        assert_eq!("waits=900-999".parse(), Ok(MachineSetting::Waits(900..=999)));
+        assert_eq!("waits=M200-M299".parse(), Ok(MachineSetting::Waits(200..=299)));
+        assert_eq!("numbers=increments".parse(), Ok(MachineSetting::Increments));
+        assert_eq!("units=inch".parse(), Ok(MachineSetting::Units(MachineUnit::Inch)));
+        assert_eq!("units=mm".parse(), Ok(MachineSetting::Units(MachineUnit::Mm)));
+        assert_eq!("system=b".parse(), Ok(MachineSetting::System('B')));
+        assert_eq!("shared=500-549".parse(), Ok(MachineSetting::Shared(500, 549)));
+        assert_eq!("shared=#100-#100".parse(), Ok(MachineSetting::Shared(100, 100)));
+        assert_eq!(waits(&[MachineSetting::Waits(900..=999), MachineSetting::Increments]), Some(900..=999));
+        assert_eq!("warn.2900680=off".parse(), Ok(MachineSetting::Warning(2_900_680, false)));
+        assert_eq!("warn.feed-above-rates=on".parse(), Ok(MachineSetting::Warning(2_900_680, true)));
+        let both =
+            [MachineSetting::Warning(1, false), MachineSetting::Warning(2, false), MachineSetting::Warning(1, true)];
         assert_eq!((warnings(&both, false), warnings(&both, true)), (vec![2], vec![1]));
         for (text, with) in [
             ("waits", "a value is missing"),
@@ -179,7 +180,7 @@ mod tests {
             ("warn.2900320=off", "2900320 (unknown-code) is an error"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),
         ] {
-            let error = text.parse::<Setting>().unwrap_err();
+            let error = text.parse::<MachineSetting>().unwrap_err();
             assert!(error.contains(with), "{error}");
         }
     }

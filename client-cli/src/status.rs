@@ -3,8 +3,8 @@
 use counterpoint_proto::v1;
 use counterpoint_server::utc::instant;
 
-use crate::arguments::Status;
-use crate::client::Client;
+use crate::arguments::StatusArgs;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::job_status::{
     first_error, json_line_with, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
@@ -23,8 +23,8 @@ const SUSPECT: &str = "the server died while this job was at work: it runs alone
 const WAITS: &str = "waits";
 
 /// Executes the command.
-pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+pub(crate) async fn status(arguments: StatusArgs) -> Result<u8, Error> {
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let job_id = job_names::whole(&client, &arguments.job).await?;
     let answer = client.jobs().get_job(v1::GetJobRequest { job_id }).await?.into_inner();
     let status = answer.status.unwrap_or_default();

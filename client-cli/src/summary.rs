@@ -5,28 +5,28 @@ use serde::Deserialize;
 /// summary.json as far as the report needs it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Summary {
+pub(crate) struct ReportSummary {
     pub(crate) state: String,
     pub(crate) unit: String,
-    pub(crate) coordinates: Option<Coordinates>,
+    pub(crate) coordinates: Option<ReportCoordinates>,
     pub(crate) highest_severity: u32,
     pub(crate) makespan_ns: i64,
-    pub(crate) channels: Vec<Channel>,
-    pub(crate) waits: Vec<Wait>,
-    pub(crate) verdict: Option<Verdict>,
-    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) channels: Vec<ReportChannel>,
+    pub(crate) waits: Vec<ReportWait>,
+    pub(crate) verdict: Option<ReportVerdict>,
+    pub(crate) diagnostics: Vec<ReportDiagnostic>,
 }
 
 /// The units in which coordinates were read.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Coordinates {
+pub(crate) struct ReportCoordinates {
     pub(crate) text: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Channel {
+pub(crate) struct ReportChannel {
     pub(crate) channel: u32,
     pub(crate) name: String,
     pub(crate) program: String,
@@ -37,12 +37,12 @@ pub(crate) struct Channel {
     pub(crate) rapid_ns: i64,
     pub(crate) misc_ns: i64,
     pub(crate) wait_ns: i64,
-    pub(crate) tools: Vec<Tool>,
+    pub(crate) tools: Vec<ReportTool>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Tool {
+pub(crate) struct ReportTool {
     pub(crate) tool: u32,
     pub(crate) name: String,
     pub(crate) diameter: Option<f64>,
@@ -50,12 +50,12 @@ pub(crate) struct Tool {
     pub(crate) length_offsets: Vec<u32>,
     pub(crate) diameter_offsets: Vec<u32>,
     pub(crate) operation: String,
-    pub(crate) times: ToolTimes,
+    pub(crate) times: ReportToolTimes,
 }
 
 #[derive(Debug, Default, Clone, Copy, Deserialize)]
 #[serde(default)]
-pub(crate) struct ToolTimes {
+pub(crate) struct ReportToolTimes {
     pub(crate) feed_ns: i64,
     pub(crate) rapid_ns: i64,
     pub(crate) misc_ns: i64,
@@ -64,15 +64,15 @@ pub(crate) struct ToolTimes {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Wait {
+pub(crate) struct ReportWait {
     pub(crate) key: String,
     pub(crate) release_ns: Option<i64>,
-    pub(crate) arrivals: Vec<Arrival>,
+    pub(crate) arrivals: Vec<ReportArrival>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Arrival {
+pub(crate) struct ReportArrival {
     pub(crate) channel: u32,
     pub(crate) t_ns: i64,
     pub(crate) line: u32,
@@ -80,16 +80,16 @@ pub(crate) struct Arrival {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Verdict {
+pub(crate) struct ReportVerdict {
     pub(crate) kind: String,
     pub(crate) text: String,
-    pub(crate) members: Vec<Member>,
+    pub(crate) members: Vec<ReportMember>,
 }
 
 /// A channel in the verdict.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Member {
+pub(crate) struct ReportMember {
     pub(crate) channel: u32,
     pub(crate) file: String,
     pub(crate) line: u32,
@@ -98,7 +98,7 @@ pub(crate) struct Member {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Diagnostic {
+pub(crate) struct ReportDiagnostic {
     pub(crate) number: u32,
     pub(crate) severity: u32,
     pub(crate) channel: u32,
@@ -106,18 +106,18 @@ pub(crate) struct Diagnostic {
     pub(crate) line: u32,
     pub(crate) block: String,
     pub(crate) text: String,
-    pub(crate) origin: Option<Origin>,
+    pub(crate) origin: Option<ReportOrigin>,
 }
 
 /// The statement of a macro that raised a diagnostic.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Origin {
+pub(crate) struct ReportOrigin {
     pub(crate) file: String,
     pub(crate) line: u32,
 }
 
-impl Summary {
+impl ReportSummary {
     /// Stopped before its end on request.
     pub(crate) fn cancelled(&self) -> bool {
         self.state == "CANCELLED"

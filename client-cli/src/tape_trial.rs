@@ -10,7 +10,7 @@ use counterpoint_kernel::tape;
 use serde_json::{Value, json};
 
 use crate::error::Error;
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 use crate::local_machine::LocalMachine;
 use crate::say;
 

@@ -13,29 +13,29 @@ use crate::text::time;
 /// timeline.json as far as the drawing needs it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(crate) struct Timeline {
+pub(crate) struct TextTimeline {
     makespan_ns: i64,
-    channels: Vec<Channel>,
+    channels: Vec<TimelineLane>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Channel {
+struct TimelineLane {
     name: String,
-    bars: Vec<Bar>,
+    bars: Vec<LaneBar>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Bar {
-    kind: Kind,
+struct LaneBar {
+    kind: LaneBarKind,
     t_ns: i64,
     dur_ns: i64,
 }
 
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Kind {
+enum LaneBarKind {
     Rapid,
     Feed,
     Tool,
@@ -46,13 +46,13 @@ enum Kind {
     Misc,
 }
 
-const KINDS: [(Kind, char, AnsiColor, &str); 6] = [
-    (Kind::Feed, '█', AnsiColor::Green, "feed"),
-    (Kind::Rapid, '▒', AnsiColor::Yellow, "rapid"),
-    (Kind::Tool, 'T', AnsiColor::Magenta, "tool"),
-    (Kind::Dwell, 'd', AnsiColor::Cyan, "dwell"),
-    (Kind::Wait, '·', AnsiColor::Red, "wait"),
-    (Kind::Misc, '-', AnsiColor::Blue, "other"),
+const KINDS: [(LaneBarKind, char, AnsiColor, &str); 6] = [
+    (LaneBarKind::Feed, '█', AnsiColor::Green, "feed"),
+    (LaneBarKind::Rapid, '▒', AnsiColor::Yellow, "rapid"),
+    (LaneBarKind::Tool, 'T', AnsiColor::Magenta, "tool"),
+    (LaneBarKind::Dwell, 'd', AnsiColor::Cyan, "dwell"),
+    (LaneBarKind::Wait, '·', AnsiColor::Red, "wait"),
+    (LaneBarKind::Misc, '-', AnsiColor::Blue, "other"),
 ];
 
 fn style(colour: AnsiColor) -> Style {
@@ -60,7 +60,7 @@ fn style(colour: AnsiColor) -> Style {
 }
 
 /// Draws the timeline `width` columns wide.
-pub(crate) fn draw(timeline: &Timeline, width: usize) -> String {
+pub(crate) fn draw(timeline: &TextTimeline, width: usize) -> String {
     if timeline.makespan_ns <= 0 {
         return String::new();
     }
@@ -78,7 +78,7 @@ pub(crate) fn draw(timeline: &Timeline, width: usize) -> String {
     out
 }
 
-fn row(channel: &Channel, makespan: i64, cells: usize) -> String {
+fn row(channel: &TimelineLane, makespan: i64, cells: usize) -> String {
     let mut shares = vec![[0f64; KINDS.len()]; cells];
     let scale = cells as f64 / makespan as f64;
     for bar in &channel.bars {

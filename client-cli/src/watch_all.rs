@@ -8,8 +8,8 @@ use std::collections::{HashMap, HashSet, VecDeque};
 use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
 
-use crate::arguments::Watch;
-use crate::client::Client;
+use crate::arguments::WatchArgs;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::job_status::{json_line, programs, state_name, waits_for_client};
 use crate::jobs::{filter, listed};
@@ -32,7 +32,7 @@ fn accepted_ms(job: &str) -> i64 {
 
 /// The jobs that a watch has seen.
 #[derive(Debug, Default)]
-struct Seen {
+struct WatchedJobs {
     /// The newest job at the start, or when the server was last asked for ends. All jobs up to it that are not open
     /// have ended, and their ends were printed if they belong to the watch.
     newest: String,
@@ -48,7 +48,7 @@ struct Seen {
     forgotten_ms: i64,
 }
 
-impl Seen {
+impl WatchedJobs {
     /// Records a job that was printed or is open.
     fn note(&mut self, job: &v1::JobStatus) {
         if job.ended_ms == 0 {
@@ -71,7 +71,7 @@ impl Seen {
         accepted_ms(&self.newest).min(oldest.unwrap_or(i64::MAX))
     }
 
-    /// The ends among these jobs that were not printed. The list has all jobs since [`Seen::since_ms`].
+    /// The ends among these jobs that were not printed. The list has all jobs since [`WatchedJobs::since_ms`].
     fn missed(&mut self, jobs: Vec<v1::JobStatus>) -> VecDeque<v1::JobStatus> {
         let new = |job: &v1::JobStatus| {
             let later = job.job_id > self.newest && job.ended_ms >= self.forgotten_ms;
@@ -93,19 +93,23 @@ impl Seen {
 }
 
 /// The jobs of a server at the start of a watch.
-async fn at_start(client: &Client, filter: &v1::JobFilter) -> Result<Seen, Error> {
+async fn at_start(client: &ServerSession, filter: &v1::JobFilter) -> Result<WatchedJobs, Error> {
     // The newest job comes first: a job that is accepted after this call is later than it.
     let newest = v1::ListJobsRequest { newest_first: true, ..Default::default() };
     let newest = listed(client, newest, 1).await?.pop().map(|job| job.job_id).unwrap_or_default();
     let open = v1::JobFilter { states: OPEN.map(i32::from).to_vec(), ..filter.clone() };
     let request = v1::ListJobsRequest { filter: Some(open), ..Default::default() };
-    let mut seen = Seen { newest, ..Seen::default() };
+    let mut seen = WatchedJobs { newest, ..WatchedJobs::default() };
     listed(client, request, usize::MAX).await?.iter().for_each(|job| seen.note(job));
     Ok(seen)
 }
 
 /// The ends that were not printed, in the order of acceptance.
-async fn missed(client: &Client, filter: &v1::JobFilter, seen: &mut Seen) -> Result<VecDeque<v1::JobStatus>, Error> {
+async fn missed(
+    client: &ServerSession,
+    filter: &v1::JobFilter,
+    seen: &mut WatchedJobs,
+) -> Result<VecDeque<v1::JobStatus>, Error> {
     let from_ms = filter.from_ms.max(seen.since_ms());
     let filter = v1::JobFilter { states: Vec::new(), from_ms, ..filter.clone() };
     let request = v1::ListJobsRequest { filter: Some(filter), ..Default::default() };
@@ -123,8 +127,8 @@ fn line(job: &v1::JobStatus, json: bool) -> String {
 }
 
 /// Follows the states of jobs, reconnecting if necessary, until it is interrupted.
-pub(crate) async fn watch_all(arguments: Watch) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+pub(crate) async fn watch_all(arguments: WatchArgs) -> Result<u8, Error> {
+    let client = ServerSession::connect(&arguments.remote.server).await?;
     let filter = filter(&arguments.filter);
     let wanted = |job: &v1::JobStatus| filter.states.is_empty() || filter.states.contains(&job.state);
     let mut seen = at_start(&client, &filter).await?;
@@ -195,7 +199,7 @@ mod tests {
 
     #[test]
     fn ends_are_found_in_any_order_of_their_times_and_with_any_clock_of_the_client() {
-        let mut seen = Seen { newest: job(1000, 0).job_id, ..Seen::default() };
+        let mut seen = WatchedJobs { newest: job(1000, 0).job_id, ..WatchedJobs::default() };
         // 900 was open at the start; 1001 and 1002 came later, and the end of 1002 was delivered first.
         [job(900, 0), job(1001, 0), job(1002, 5000)].iter().for_each(|job| seen.note(job));
         assert_eq!(seen.since_ms(), 900);
@@ -210,7 +214,7 @@ mod tests {
 
     #[test]
     fn ends_of_a_long_watch_are_forgotten_and_not_printed_again() {
-        let mut seen = Seen::default();
+        let mut seen = WatchedJobs::default();
         let count = i64::try_from(REMEMBERED).unwrap() + 1;
         let end = |number: i64| number * 1000;
         seen.note(&job(1, 0));

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Guard, Options};
+use counterpoint_server::options::{Guard, ServerOptions};
 use counterpoint_server::service;
 
 fn counterpoint(arguments: &[&str]) -> Output {
@@ -631,11 +631,11 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     std::fs::write(&access, row).unwrap();
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let guard = Guard { access, ..Guard::default() };
-    let options = Options {
+    let options = ServerOptions {
         guard,
         listen: "127.0.0.1:0".parse().unwrap(),
         data: folder.path().join("data"),
-        ..Options::default()
+        ..ServerOptions::default()
     };
     let service = runtime.block_on(service::build(options)).unwrap();
     let url = service.handle().url();
@@ -788,7 +788,8 @@ fn a_watch_of_many_jobs_prints_those_that_have_ended_while_it_was_cut_off() {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let start = |listen: &str| {
         let (listen, data) = (listen.parse().unwrap(), folder.path().join("data"));
-        let service = runtime.block_on(service::build(Options { listen, data, grace_s: 0, ..Options::default() }));
+        let service =
+            runtime.block_on(service::build(ServerOptions { listen, data, grace_s: 0, ..ServerOptions::default() }));
         let service = service.unwrap();
         (service.handle(), runtime.spawn(service.run(std::future::pending())))
     };
@@ -912,7 +913,8 @@ fn jobs_of_a_filter_are_cancelled_and_deleted_once_that_is_confirmed() {
 /// A server in this process until the test ends, and its address.
 fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let options = Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..Options::default() };
+    let options =
+        ServerOptions { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..ServerOptions::default() };
     let service = runtime.block_on(service::build(options)).unwrap();
     let url = service.handle().url();
     runtime.spawn(service.run(std::future::pending()));
@@ -926,7 +928,7 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     let folder = tempfile::tempdir().unwrap();
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let (listen, data) = ("127.0.0.1:0".parse().unwrap(), folder.path().join("data"));
-    let mut options = Options { listen, data, ..Options::default() };
+    let mut options = ServerOptions { listen, data, ..ServerOptions::default() };
     options.system.allow_system = true;
     let service = runtime.block_on(service::build(options)).unwrap();
     let url = service.handle().url();

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 use serde_json::Value;
 
@@ -20,7 +20,7 @@ fn load(arguments: &[&str]) -> Output {
 fn server(folder: &Path, queue: usize) -> (tokio::runtime::Runtime, String) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let listen = "127.0.0.1:0".parse().unwrap();
-    let options = Options { listen, data: folder.join("data"), queue, workers: 1, ..Options::default() };
+    let options = ServerOptions { listen, data: folder.join("data"), queue, workers: 1, ..ServerOptions::default() };
     let service = runtime.block_on(service::build(options)).unwrap();
     let url = service.handle().url();
     runtime.spawn(service.run(std::future::pending()));

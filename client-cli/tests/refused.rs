@@ -6,7 +6,7 @@ mod served;
 
 use std::process::Command;
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use served::{Server, program};
 
 const CLEAN: &str = "O1\nG21 G90 G0 X1.\nM30\n";
@@ -15,7 +15,7 @@ const CLEAN: &str = "O1\nG21 G90 G0 X1.\nM30\n";
 #[test]
 fn an_empty_value_of_an_option_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let (_, job, _) = server.call(&["submit", "--machine", "fanuc-mill", "--label", "order=1", &clean]);
     assert_eq!(server.call(&["wait", "--quiet", &job]).0, 0);
@@ -43,7 +43,7 @@ fn an_empty_value_of_an_option_is_refused() {
 #[test]
 fn a_job_with_more_programs_than_channels_is_refused_at_submit_and_reported_once() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let names = ["a.nc", "b.nc", "c.nc"].map(|name| program(folder.path(), name, CLEAN));
     let three = [&names[0], &names[1], &names[2]];
     let (code, out, talk) = server.call(&["submit", "--machine", "fanuc-2path-lathe", three[0], three[1], three[2]]);
@@ -52,7 +52,7 @@ fn a_job_with_more_programs_than_channels_is_refused_at_submit_and_reported_once
     assert_eq!(server.call(&["jobs", "--json"]).1, "", "nothing was submitted");
     // A client that does not know the machine.
     let job = server.runtime.block_on(async {
-        let settings = counterpoint_client::Settings::new(&server.url);
+        let settings = counterpoint_client::ClientSettings::new(&server.url);
         let client = counterpoint_client::Client::connect(&settings).await.unwrap();
         let blob = counterpoint_client::Blob::new(CLEAN.as_bytes().to_vec());
         client.upload(std::slice::from_ref(&blob)).await.unwrap();
@@ -77,7 +77,7 @@ fn a_job_with_more_programs_than_channels_is_refused_at_submit_and_reported_once
 #[test]
 fn the_trace_of_a_job_without_one_is_said_to_be_the_listing() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     for (trace, noted) in [(&[][..], true), (&["--trace"], false)] {
         let (_, job, _) = server.call(&[&["submit", "--machine", "fanuc-mill", &clean][..], trace].concat());

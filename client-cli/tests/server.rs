@@ -8,7 +8,7 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use counterpoint_server::options::{Maxima, Options, Quotas};
+use counterpoint_server::options::{Maxima, Quotas, ServerOptions};
 use serde_json::Value;
 use served::{Server, program};
 
@@ -18,7 +18,7 @@ const ENDLESS: &str = "O1\nN1 G4 P9\nGOTO 1\nM30\n";
 #[test]
 fn several_jobs_are_awaited_and_each_end_names_its_job() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X[1/0]\nM30\n");
     let jobs = [server.submit(&clean), server.submit(&alarm)];
@@ -39,7 +39,7 @@ fn several_jobs_are_awaited_and_each_end_names_its_job() {
 #[test]
 fn a_job_that_waits_for_a_client_or_is_paused_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let (_, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", "--step", &clean]);
     let expect = |command: &[&str], expected: &str| {
@@ -69,7 +69,7 @@ fn the_json_of_a_status_has_the_documented_keys() {
     const DOCS: &str = include_str!("../../docs/cli.md");
     let section = DOCS.split("### The JSON of a status").nth(1).expect("a section").split("\n## ").next().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let endless = program(folder.path(), "endless.nc", ENDLESS);
     let with = ["--machine", "fanuc-mill", "--max-time", "1", "--deadline", "1h"];
     let (_, job, _) = server.call(&[&["submit", &endless][..], &with].concat());
@@ -89,7 +89,7 @@ fn the_json_of_a_status_has_the_documented_keys() {
 #[test]
 fn programs_wait_for_a_place_in_the_queue() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options { workers: 1, queue: 1, ..Options::default() });
+    let server = Server::start(folder.path(), ServerOptions { workers: 1, queue: 1, ..ServerOptions::default() });
     let endless = program(folder.path(), "endless.nc", ENDLESS);
     let mut endless_jobs = Vec::new();
     loop {
@@ -122,7 +122,7 @@ fn programs_wait_for_a_place_in_the_queue() {
 fn programs_wait_for_the_quota_of_waiting_jobs() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_queued: 1, ..Quotas::default() };
-    let server = Server::start(folder.path(), Options { workers: 1, quotas, ..Options::default() });
+    let server = Server::start(folder.path(), ServerOptions { workers: 1, quotas, ..ServerOptions::default() });
     let endless = program(folder.path(), "endless.nc", ENDLESS);
     let mut endless_jobs = Vec::new();
     loop {
@@ -152,7 +152,7 @@ fn programs_wait_for_the_quota_of_waiting_jobs() {
 #[test]
 fn a_program_that_is_not_submitted_has_an_object_in_the_json() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let absent = folder.path().join("absent.nc").display().to_string();
     let (code, out, _) = server.call(&["submit", "--each", "--json", "--machine", "fanuc-mill", &absent, &clean]);
@@ -166,7 +166,7 @@ fn a_program_that_is_not_submitted_has_an_object_in_the_json() {
 #[test]
 fn a_deadline_in_the_past_is_refused_unless_the_request_is_a_repetition() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let job = server.submit(&clean);
     for command in [&["submit", "--machine", "fanuc-mill", &clean][..], &["rerun", &job]] {
@@ -181,7 +181,7 @@ fn a_deadline_in_the_past_is_refused_unless_the_request_is_a_repetition() {
 #[test]
 fn a_request_with_a_relative_deadline_can_be_repeated() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let earlier = server.submit(&clean);
     for command in [&["submit", "--machine", "fanuc-mill", &clean][..], &["rerun", &earlier]] {
@@ -196,7 +196,7 @@ fn a_request_with_a_relative_deadline_can_be_repeated() {
 #[test]
 fn a_folder_that_hides_a_machine_of_the_server_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let own = folder.path().join("cell").display().to_string();
     let made = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
@@ -220,7 +220,7 @@ fn a_folder_that_hides_a_machine_of_the_server_is_named() {
 #[test]
 fn the_jobs_of_a_filter_are_awaited() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X[1/0]\nM30\n");
     let submit = |program: &str, label: &str| {
@@ -249,7 +249,7 @@ fn the_jobs_of_a_filter_are_awaited() {
 #[test]
 fn the_status_of_a_failed_job_has_its_first_error() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X1.\nG0 X[1/0]\nG0 X[2/0]\nM30\n");
     let job = server.submit(&alarm);
     server.call(&["wait", "--quiet", &job]);
@@ -275,7 +275,7 @@ fn the_status_of_a_failed_job_has_its_first_error() {
 #[test]
 fn an_unknown_machine_has_suggestions() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let refused = |name: &str| {
         let (code, _, talk) = server.call(&["submit", "--machine", name, &clean]);
@@ -304,7 +304,7 @@ fn man_without_a_folder_prints_the_first_page() {
 #[test]
 fn a_result_that_cannot_be_read_leaves_no_file_and_the_others_are_tried() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let text = "O1\nG21 G90\n#1=0\nWHILE[#1LT3000]DO1\nG0 X#1\n#1=#1+1\nEND1\nM30\n";
     let job = server.submit(&program(folder.path(), "long.nc", text));
     server.call(&["wait", &job]);
@@ -338,7 +338,7 @@ fn a_result_that_cannot_be_read_leaves_no_file_and_the_others_are_tried() {
 fn a_command_that_lost_its_server_reports_that_it_tries_again() {
     for (command, quiet) in [("watch", false), ("wait", false), ("wait", true)] {
         let folder = tempfile::tempdir().unwrap();
-        let server = Server::start(folder.path(), Options::default());
+        let server = Server::start(folder.path(), ServerOptions::default());
         let job = server.submit(&program(folder.path(), "endless.nc", ENDLESS));
         let mut command = server.command(&[command, &job]);
         command.args(quiet.then_some("--quiet"));
@@ -359,7 +359,7 @@ fn a_command_that_lost_its_server_reports_that_it_tries_again() {
 #[test]
 fn the_report_of_a_job_without_a_run_gives_the_reason() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let clean = program(folder.path(), "clean.nc", CLEAN);
     let late = ["--deadline", "@1000", "--request-id", "late", "--no-cache"];
     let (code, job, talk) = server.call(&[&["submit", "--machine", "fanuc-mill", &clean][..], &late].concat());
@@ -373,7 +373,7 @@ fn the_report_of_a_job_without_a_run_gives_the_reason() {
 #[test]
 fn an_empty_machine_is_refused_and_a_guess_of_the_server_is_printed() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path(), Options::default());
+    let server = Server::start(folder.path(), ServerOptions::default());
     let haas = program(folder.path(), "haas.nc", "%\nO00012\nT1 M06\nG187 P1\nM30\n%\n");
     for command in [&["submit", "--machine", ""][..], &["submit", "--each", "--machine", ""]] {
         let (code, out, talk) = server.call(&[command, &[&haas]].concat());
@@ -381,7 +381,7 @@ fn an_empty_machine_is_refused_and_a_guess_of_the_server_is_printed() {
         assert!(code == 2 && out.is_empty() && refused, "{code} {talk}");
     }
     let job = server.runtime.block_on(async {
-        let settings = counterpoint_client::Settings::new(&server.url);
+        let settings = counterpoint_client::ClientSettings::new(&server.url);
         let client = counterpoint_client::Client::connect(&settings).await.unwrap();
         let blob = counterpoint_client::Blob::new(std::fs::read(&haas).unwrap());
         client.upload(std::slice::from_ref(&blob)).await.unwrap();
@@ -401,7 +401,7 @@ fn an_empty_machine_is_refused_and_a_guess_of_the_server_is_printed() {
 fn a_file_that_is_too_large_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let maxima = Maxima { max_blob_bytes: 1000, ..Maxima::default() };
-    let server = Server::start(folder.path(), Options { maxima, ..Options::default() });
+    let server = Server::start(folder.path(), ServerOptions { maxima, ..ServerOptions::default() });
     let large = program(folder.path(), "large.nc", &CLEAN.repeat(100));
     let (code, _, talk) = server.call(&["submit", "--machine", "fanuc-mill", &large]);
     assert_eq!(code, 2, "{talk}");

@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use crate::error::Error;
-use crate::settings::{Notice, Settings};
+use crate::settings::{ClientSettings, Notice};
 
 /// First and longest time that pauses are taken from.
 const FIRST: Duration = Duration::from_millis(100);
@@ -26,7 +26,7 @@ pub(crate) struct Backoff {
 }
 
 impl Backoff {
-    pub(crate) fn of(settings: &Settings) -> Self {
+    pub(crate) fn of(settings: &ClientSettings) -> Self {
         Self { notice: settings.notice(), ..Self::new(settings.patience()) }
     }
 

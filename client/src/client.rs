@@ -5,9 +5,9 @@ use std::future::Future;
 use crate::backoff::Backoff;
 use crate::blob::Blob;
 use crate::connection::{Connection, Through};
-use crate::document::{self, Chunks, Document};
+use crate::document::{self, ResultChunks, ResultDocument};
 use crate::error::Error;
-use crate::settings::Settings;
+use crate::settings::ClientSettings;
 use crate::v1;
 use crate::v1::admin_client::AdminClient;
 use crate::v1::blobs_client::BlobsClient;
@@ -45,13 +45,13 @@ impl Client {
     ///
     /// # Errors
     /// [`Error::Settings`] if these cannot be used, [`Error::Unreachable`] if no server answers.
-    pub async fn connect(settings: &Settings) -> Result<Self, Error> {
+    pub async fn connect(settings: &ClientSettings) -> Result<Self, Error> {
         Ok(Self(Connection::open(settings).await?))
     }
 
     /// Where it is connected to, and how.
     #[must_use]
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &ClientSettings {
         &self.0.settings
     }
 
@@ -194,7 +194,7 @@ impl Client {
     ///
     /// # Errors
     /// When the server refuses or the connection is lost.
-    pub async fn document(&self, job: &str, document: &Document) -> Result<Chunks, Error> {
+    pub async fn document(&self, job: &str, document: &ResultDocument) -> Result<ResultChunks, Error> {
         document::read(&self.0, job, document).await
     }
 

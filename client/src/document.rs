@@ -12,14 +12,14 @@ use crate::v1;
 
 /// Form of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Drawing {
+pub enum DrawingFormat {
     /// Scalable vector graphics.
     Svg,
     /// JSON.
     Json,
 }
 
-impl Drawing {
+impl DrawingFormat {
     fn wire(self) -> i32 {
         match self {
             Self::Svg => v1::DrawingFormat::Svg.into(),
@@ -30,7 +30,7 @@ impl Drawing {
 
 /// A result.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Document {
+pub enum ResultDocument {
     /// Summary, JSON.
     Summary,
     /// Listing of a channel, of all for channel 0.
@@ -60,9 +60,9 @@ pub enum Document {
         channel: u32,
     },
     /// Bars of each channel over simulated time.
-    Timeline(Drawing),
+    Timeline(DrawingFormat),
     /// Tool paths.
-    Toolpath(Drawing),
+    Toolpath(DrawingFormat),
     /// The whole log, one JSON object a line.
     Events,
     /// A file that macros have written.
@@ -75,17 +75,17 @@ pub enum Document {
 type Stored = Pin<Box<dyn Stream<Item = Result<Bytes, Status>> + Send>>;
 
 /// Chunks of a result.
-pub struct Chunks(Stored);
+pub struct ResultChunks(Stored);
 
-impl std::fmt::Debug for Chunks {
+impl std::fmt::Debug for ResultChunks {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Chunks")
     }
 }
 
-impl Chunks {
-    fn of<T: Chunk>(answer: Response<Streaming<T>>) -> Self {
-        Self(Box::pin(answer.into_inner().map(|chunk| chunk.map(Chunk::data))))
+impl ResultChunks {
+    fn of<T: ChunkSource>(answer: Response<Streaming<T>>) -> Self {
+        Self(Box::pin(answer.into_inner().map(|chunk| chunk.map(ChunkSource::data))))
     }
 
     /// The next chunk; `None` after the last one.
@@ -110,13 +110,13 @@ impl Chunks {
 }
 
 /// Something with a chunk in it.
-trait Chunk: Send + 'static {
+trait ChunkSource: Send + 'static {
     fn data(self) -> Bytes;
 }
 
 macro_rules! chunks {
     ($($type:ident),*) => { $(
-        impl Chunk for v1::$type {
+        impl ChunkSource for v1::$type {
             fn data(self) -> Bytes {
                 self.data
             }
@@ -135,7 +135,7 @@ chunks!(
 );
 
 /// Asks for a result.
-pub(crate) async fn read(connection: &Connection, job: &str, document: &Document) -> Result<Chunks, Error> {
+pub(crate) async fn read(connection: &Connection, job: &str, document: &ResultDocument) -> Result<ResultChunks, Error> {
     let job_id = job.to_owned();
     let mut results = connection.results();
     let listing = |channel: u32, crlf: bool| v1::GetListingRequest {
@@ -145,26 +145,30 @@ pub(crate) async fn read(connection: &Connection, job: &str, document: &Document
         ..v1::GetListingRequest::default()
     };
     Ok(match document {
-        Document::Summary => Chunks::of(results.get_summary(v1::GetSummaryRequest { job_id }).await?),
-        Document::Listing { channel, crlf } => Chunks::of(results.get_listing(listing(*channel, *crlf)).await?),
-        Document::Log { channel, crlf } => {
+        ResultDocument::Summary => ResultChunks::of(results.get_summary(v1::GetSummaryRequest { job_id }).await?),
+        ResultDocument::Listing { channel, crlf } => {
+            ResultChunks::of(results.get_listing(listing(*channel, *crlf)).await?)
+        }
+        ResultDocument::Log { channel, crlf } => {
             let request = v1::GetListingRequest { log: true, ..listing(*channel, *crlf) };
-            Chunks::of(results.get_listing(request).await?)
+            ResultChunks::of(results.get_listing(request).await?)
         }
-        Document::Console { channel, crlf } => {
+        ResultDocument::Console { channel, crlf } => {
             let request = v1::GetListingRequest { console: true, ..listing(*channel, *crlf) };
-            Chunks::of(results.get_listing(request).await?)
+            ResultChunks::of(results.get_listing(request).await?)
         }
-        Document::Trace { channel } => {
-            Chunks::of(results.get_trace(v1::GetTraceRequest { job_id, channel: *channel }).await?)
+        ResultDocument::Trace { channel } => {
+            ResultChunks::of(results.get_trace(v1::GetTraceRequest { job_id, channel: *channel }).await?)
         }
-        Document::Timeline(form) => {
-            Chunks::of(results.get_timeline(v1::GetTimelineRequest { job_id, format: form.wire() }).await?)
+        ResultDocument::Timeline(form) => {
+            ResultChunks::of(results.get_timeline(v1::GetTimelineRequest { job_id, format: form.wire() }).await?)
         }
-        Document::Toolpath(form) => {
-            Chunks::of(results.get_toolpath(v1::GetToolpathRequest { job_id, format: form.wire() }).await?)
+        ResultDocument::Toolpath(form) => {
+            ResultChunks::of(results.get_toolpath(v1::GetToolpathRequest { job_id, format: form.wire() }).await?)
         }
-        Document::Events => Chunks::of(results.get_events(v1::GetEventsRequest { job_id }).await?),
-        Document::File(path) => Chunks::of(results.get_file(v1::GetFileRequest { job_id, path: path.clone() }).await?),
+        ResultDocument::Events => ResultChunks::of(results.get_events(v1::GetEventsRequest { job_id }).await?),
+        ResultDocument::File(path) => {
+            ResultChunks::of(results.get_file(v1::GetFileRequest { job_id, path: path.clone() }).await?)
+        }
     })
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
 
-use crate::reach::{Misfit, Unreached};
+use crate::reach::{ConnectFailure, Misfit};
 
 /// Why something could not be done.
 #[derive(Debug, thiserror::Error)]
@@ -86,8 +86,10 @@ fn is_lost(status: &Status) -> bool {
 
 impl From<Status> for Error {
     fn from(status: Status) -> Self {
-        match status.source().and_then(|source| source.downcast_ref::<Unreached>()) {
-            Some(Unreached { address, cause }) => Self::Unreachable { address: address.clone(), cause: cause.clone() },
+        match status.source().and_then(|source| source.downcast_ref::<ConnectFailure>()) {
+            Some(ConnectFailure { address, cause }) => {
+                Self::Unreachable { address: address.clone(), cause: cause.clone() }
+            }
             None => Self::Refused(Box::new(status)),
         }
     }

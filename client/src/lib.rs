@@ -19,10 +19,10 @@ pub use blob::Blob;
 pub use client::{Client, request_id};
 pub use connection::Through;
 pub use counterpoint_proto::v1;
-pub use document::{Chunks, Document, Drawing};
+pub use document::{DrawingFormat, ResultChunks, ResultDocument};
 pub use error::Error;
-pub use reach::{Misfit, Reach};
-pub use settings::{Call, Notice, Settings};
+pub use reach::{AddressedChannel, Misfit};
+pub use settings::{CallMetadata, ClientSettings, Notice};
 pub use watch::{Update, Watch};
 pub use watch_jobs::{JobUpdate, WatchJobs};
 

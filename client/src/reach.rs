@@ -27,21 +27,21 @@ pub(crate) fn cause(error: &dyn std::error::Error) -> String {
 /// A failed connection, as the source of the status of a call.
 #[derive(Debug, thiserror::Error)]
 #[error("{} {address} ({cause})", Misfit::failure(.address, .cause))]
-pub(crate) struct Unreached {
+pub(crate) struct ConnectFailure {
     pub(crate) address: String,
     pub(crate) cause: String,
 }
 
 /// A channel that knows the address of its server.
 #[derive(Debug, Clone)]
-pub struct Reach {
+pub struct AddressedChannel {
     channel: Channel,
     address: Arc<str>,
     /// Whether a call has been answered.
     answered: Arc<AtomicBool>,
 }
 
-impl Reach {
+impl AddressedChannel {
     pub(crate) fn new(channel: Channel, address: &str) -> Self {
         Self { channel, address: address.into(), answered: Arc::default() }
     }
@@ -73,14 +73,14 @@ fn is_https(address: &str) -> bool {
 
 /// The status of a call that got no answer.
 fn unreached(address: &str, cause: String, error: TransportError) -> Status {
-    let unreached = Unreached { address: address.to_owned(), cause };
+    let unreached = ConnectFailure { address: address.to_owned(), cause };
     let code = Status::from_error(Box::new(error)).code();
     let mut status = Status::new(code, unreached.to_string());
     status.set_source(Arc::new(unreached));
     status
 }
 
-impl Service<http::Request<Body>> for Reach {
+impl Service<http::Request<Body>> for AddressedChannel {
     type Response = http::Response<Body>;
     type Error = Status;
     type Future = BoxFuture<Self::Response, Status>;

@@ -26,24 +26,24 @@ pub type Notice = fn(&Error, Duration);
 
 /// Where the server is and who calls.
 #[derive(Clone)]
-pub struct Settings {
+pub struct ClientSettings {
     address: String,
     /// The address was given without a scheme, so it is `https` if certificates are given.
     open_scheme: bool,
-    call: Call,
+    call: CallMetadata,
     authorities: Option<Vec<u8>>,
     identity: Option<Identity>,
     patience: Duration,
     notice: Option<Notice>,
 }
 
-impl std::fmt::Debug for Settings {
+impl std::fmt::Debug for ClientSettings {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Settings").field("address", &self.address).finish_non_exhaustive()
+        f.debug_struct("ClientSettings").field("address", &self.address).finish_non_exhaustive()
     }
 }
 
-impl Settings {
+impl ClientSettings {
     /// A server at an address (`http://HOST:PORT`, `https://HOST:PORT` or `HOST:PORT`), without token and certificates.
     /// `HOST:PORT` is encrypted if authorities or a certificate are added.
     #[must_use]
@@ -54,7 +54,7 @@ impl Settings {
         Self {
             address: if open_scheme { format!("http://{given}") } else { given },
             open_scheme,
-            call: Call::default(),
+            call: CallMetadata::default(),
             authorities: None,
             identity: None,
             patience,
@@ -175,7 +175,7 @@ impl Settings {
         self.notice
     }
 
-    pub(crate) fn call(&self) -> Call {
+    pub(crate) fn call(&self) -> CallMetadata {
         self.call.clone()
     }
 
@@ -226,12 +226,12 @@ fn alone(given: &str, missing: &str) -> Error {
 
 /// The additions to each call.
 #[derive(Debug, Clone, Default)]
-pub struct Call {
+pub struct CallMetadata {
     token: Option<MetadataValue<Ascii>>,
     traceparent: Option<MetadataValue<Ascii>>,
 }
 
-impl Interceptor for Call {
+impl Interceptor for CallMetadata {
     fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
         if let Some(token) = &self.token {
             request.metadata_mut().insert("authorization", token.clone());
@@ -249,22 +249,22 @@ mod tests {
 
     #[test]
     fn a_token_is_sent_and_never_shown() {
-        let settings = Settings::new("http://127.0.0.1:1").with_token(" cpt_secret\n").unwrap();
+        let settings = ClientSettings::new("http://127.0.0.1:1").with_token(" cpt_secret\n").unwrap();
         let request = settings.call().call(Request::new(())).unwrap();
         assert_eq!(request.metadata().get("authorization").unwrap(), "Bearer cpt_secret");
         let shown = format!("{settings:?} {:?}", settings.call());
         assert!(!shown.contains("cpt_secret"), "{shown}");
-        assert!(Settings::new("http://127.0.0.1:1").with_token("a\nb").is_err());
+        assert!(ClientSettings::new("http://127.0.0.1:1").with_token("a\nb").is_err());
     }
 
     #[test]
     fn only_http_addresses_are_taken() {
         for wrong in ["", "localhost", "::1:7878", "localhost:", ":7878", "ftp://localhost", "http://"] {
-            assert!(matches!(Settings::new(wrong).endpoint(), Err(Error::Settings(_))), "{wrong}");
+            assert!(matches!(ClientSettings::new(wrong).endpoint(), Err(Error::Settings(_))), "{wrong}");
         }
-        assert!(Settings::new("HTTP://localhost:7878").endpoint().is_ok());
+        assert!(ClientSettings::new("HTTP://localhost:7878").endpoint().is_ok());
         for (given, address) in [("localhost:7878", "http://localhost:7878"), ("[::1]:7878/", "http://[::1]:7878/")] {
-            let settings = Settings::new(given);
+            let settings = ClientSettings::new(given);
             assert!(settings.endpoint().is_ok() && settings.address() == address, "{settings:?}");
         }
     }

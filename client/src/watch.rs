@@ -200,11 +200,11 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Settings;
+    use crate::ClientSettings;
 
     fn watch(level: v1::WatchLevel, cursor: u64) -> Watch {
         let channel = tonic::transport::Endpoint::from_static("http://127.0.0.1:1").connect_lazy();
-        let settings = Settings::new("http://127.0.0.1:1");
+        let settings = ClientSettings::new("http://127.0.0.1:1");
         Watch::new(Connection::over(channel, &settings), "job", level).after(cursor)
     }
 

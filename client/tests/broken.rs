@@ -8,8 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use counterpoint_client::{Blob, Client, Document, Error, JobUpdate, Settings, Update, request_id, v1};
-use counterpoint_server::options::Options;
+use counterpoint_client::{Blob, Client, ClientSettings, Error, JobUpdate, ResultDocument, Update, request_id, v1};
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service::{self, Handle};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::{TcpListener, TcpStream};
@@ -23,7 +23,8 @@ struct Server {
 impl Server {
     async fn start(data: &Path) -> Self {
         let listen = "127.0.0.1:0".parse().unwrap();
-        let options = Options { listen, data: data.to_owned(), grace_s: 0, workers: 1, ..Options::default() };
+        let options =
+            ServerOptions { listen, data: data.to_owned(), grace_s: 0, workers: 1, ..ServerOptions::default() };
         let service = service::build(options).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
@@ -113,13 +114,13 @@ async fn follow(mut watch: counterpoint_client::Watch) -> (Vec<u64>, usize, v1::
 async fn every_event_comes_once_over_connections_that_break() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path()).await;
-    let direct = Client::connect(&Settings::new(server.handle.url())).await.unwrap();
+    let direct = Client::connect(&ClientSettings::new(server.handle.url())).await.unwrap();
     let job = submit(&direct, program(5000)).await;
     direct.wait(&job).await.unwrap();
     let (_to, target) = watch::channel(server.handle.address());
     // The last two cuts are inside of large answers, the others before or after the first batches.
     let (address, connections) = proxy(target, &[300, 2_000, 40_000, 60_000, 150_000]).await;
-    let settings = Settings::new(format!("http://{address}"));
+    let settings = ClientSettings::new(format!("http://{address}"));
     let client = Client::connect(&settings).await.unwrap();
     let (numbers, described, status, reconnects) = follow(client.watch(&job, v1::WatchLevel::Everything)).await;
     let expected: Vec<u64> = (1..=status.events).collect();
@@ -130,7 +131,7 @@ async fn every_event_comes_once_over_connections_that_break() {
     // From a cursor on, at another level: later events follow.
     let (numbers, ..) = follow(client.watch(&job, v1::WatchLevel::Blocks).after(400)).await;
     assert!(numbers.first().is_some_and(|first| *first > 400) && numbers.is_sorted());
-    let whole = client.document(&job, &Document::Events).await.unwrap().whole().await.unwrap();
+    let whole = client.document(&job, &ResultDocument::Events).await.unwrap().whole().await.unwrap();
     assert_eq!(whole.iter().filter(|byte| **byte == b'\n').count() as u64, status.events);
     server.stop().await;
 }
@@ -141,7 +142,7 @@ async fn a_watch_outlives_a_restart_of_the_server_and_a_submit_is_accepted_once(
     let first = Server::start(folder.path()).await;
     let (to, target) = watch::channel(first.handle.address());
     let (address, _) = proxy(target, &[]).await;
-    let client = Client::connect(&Settings::new(format!("http://{address}"))).await.unwrap();
+    let client = Client::connect(&ClientSettings::new(format!("http://{address}"))).await.unwrap();
     let job = submit(&client, program(60_000)).await;
     let mut watch = client.watch(&job, v1::WatchLevel::Everything).heartbeat(Duration::from_millis(100));
     let mut seen = 0;
@@ -198,7 +199,7 @@ async fn a_connection_outlives_many_watches_that_end() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path()).await;
     let address = late_ends(server.handle.address()).await;
-    let client = Client::connect(&Settings::new(format!("http://{address}"))).await.unwrap();
+    let client = Client::connect(&ClientSettings::new(format!("http://{address}"))).await.unwrap();
     let job = submit(&client, program(3)).await;
     client.wait(&job).await.unwrap();
     let mut callers = tokio::task::JoinSet::new();
@@ -221,7 +222,7 @@ async fn a_connection_outlives_many_watches_that_end() {
 async fn patience_ends_and_refusals_are_not_repeated() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path()).await;
-    let settings = Settings::new(server.handle.url()).with_patience(Duration::from_millis(300));
+    let settings = ClientSettings::new(server.handle.url()).with_patience(Duration::from_millis(300));
     let client = Client::connect(&settings).await.unwrap();
     let unknown = client.watch("none", v1::WatchLevel::Progress).next().await.unwrap_err();
     assert_eq!(unknown.reason().as_deref(), Some("UNKNOWN_JOB"));
@@ -238,7 +239,7 @@ async fn patience_ends_and_refusals_are_not_repeated() {
 async fn a_watch_with_a_cursor_that_is_too_old_is_open_again_before_its_client_hears_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path()).await;
-    let client = Client::connect(&Settings::new(server.handle.url())).await.unwrap();
+    let client = Client::connect(&ClientSettings::new(server.handle.url())).await.unwrap();
     let mut watch = client.watch_jobs(v1::JobFilter::default()).after(1);
     let next = async |watch: &mut counterpoint_client::WatchJobs| {
         tokio::time::timeout(Duration::from_secs(20), watch.next()).await.expect("an update comes").unwrap()

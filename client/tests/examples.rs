@@ -9,7 +9,7 @@ mod guarded;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 
 fn repository() -> PathBuf {
@@ -42,7 +42,7 @@ fn prepared(step: &mut Command) -> bool {
 
 fn serve(runtime: &tokio::runtime::Runtime, data: &Path) -> String {
     let listen = "127.0.0.1:0".parse().unwrap();
-    let mut options = Options { listen, data: data.to_owned(), grace_s: 0, ..Options::default() };
+    let mut options = ServerOptions { listen, data: data.to_owned(), grace_s: 0, ..ServerOptions::default() };
     options.guard.grpc_web = true;
     let service = runtime.block_on(service::build(options)).unwrap();
     let address = service.handle().address().to_string();
@@ -220,8 +220,8 @@ fn the_example_for_node_runs() {
 #[cfg(unix)]
 fn check_encrypted(command: &dyn Fn() -> Command, folder: &Path) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let options = Options { data: folder.join("encrypted"), grace_s: 0, ..guarded::options(folder) };
-    let options = Options { listen: "127.0.0.1:0".parse().unwrap(), ..options };
+    let options = ServerOptions { data: folder.join("encrypted"), grace_s: 0, ..guarded::options(folder) };
+    let options = ServerOptions { listen: "127.0.0.1:0".parse().unwrap(), ..options };
     let service = runtime.block_on(service::build(options)).unwrap();
     let port = service.handle().address().port();
     runtime.spawn(service.run(std::future::pending()));

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use bytes::{Buf as _, BufMut as _};
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor, MethodDescriptor};
@@ -147,7 +147,7 @@ fn lines() -> Vec<String> {
 async fn every_call_has_a_line_and_every_line_works() {
     let folder = tempfile::tempdir().unwrap();
     let listen = "127.0.0.1:0".parse().unwrap();
-    let options = Options { listen, data: folder.path().to_owned(), ..Options::default() };
+    let options = ServerOptions { listen, data: folder.path().to_owned(), ..ServerOptions::default() };
     let service = service::build(options).await.unwrap();
     let url = service.handle().url();
     let server = tokio::spawn(service.run(std::future::pending()));

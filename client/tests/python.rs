@@ -7,7 +7,7 @@ mod guarded;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 
 /// Variables that would change the tests.
@@ -86,9 +86,9 @@ fn text(output: &Output) -> String {
 }
 
 /// Starts a server; returns its port.
-fn serve(runtime: &tokio::runtime::Runtime, data: &Path, options: Options) -> u16 {
+fn serve(runtime: &tokio::runtime::Runtime, data: &Path, options: ServerOptions) -> u16 {
     let listen = "127.0.0.1:0".parse().unwrap();
-    let options = Options { listen, data: data.to_owned(), grace_s: 0, ..options };
+    let options = ServerOptions { listen, data: data.to_owned(), grace_s: 0, ..options };
     let service = runtime.block_on(service::build(options)).unwrap();
     let port = service.handle().address().port();
     runtime.spawn(service.run(std::future::pending()));
@@ -106,7 +106,7 @@ fn the_python_package_does_as_it_is_documented() {
     let options = guarded::options(folder.path());
     let mut mutual = options.clone();
     mutual.guard.tls_client_ca = folder.path().join("ca.pem");
-    let plain = serve(&runtime, &folder.path().join("plain"), Options::default());
+    let plain = serve(&runtime, &folder.path().join("plain"), ServerOptions::default());
     let encrypted = serve(&runtime, &folder.path().join("encrypted"), options);
     let mutual = serve(&runtime, &folder.path().join("mutual"), mutual);
     let mut test = python.command();
@@ -144,7 +144,7 @@ fn the_example_submits_watches_and_draws() {
     let Some(python) = Python::new(folder.path()) else { return };
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let options = guarded::options(folder.path());
-    let plain = format!("http://127.0.0.1:{}", serve(&runtime, &folder.path().join("plain"), Options::default()));
+    let plain = format!("http://127.0.0.1:{}", serve(&runtime, &folder.path().join("plain"), ServerOptions::default()));
     let encrypted = format!("https://localhost:{}", serve(&runtime, &folder.path().join("encrypted"), options));
     let programs = ["upper.nc", "lower.nc"].map(|name| python.examples().join("two-turret").join(name));
     let drawing = folder.path().join("timeline.svg");

@@ -6,21 +6,21 @@ mod guarded;
 
 use std::path::Path;
 
-use counterpoint_client::{Client, Error, Misfit, Settings, v1};
-use counterpoint_server::options::Options;
+use counterpoint_client::{Client, ClientSettings, Error, Misfit, v1};
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service::{self, Handle};
 
 /// A server whose data folder is in this folder.
-async fn start(folder: &Path, options: Options) -> Handle {
+async fn start(folder: &Path, options: ServerOptions) -> Handle {
     let listen = "127.0.0.1:0".parse().unwrap();
-    let service = service::build(Options { listen, data: folder.join("data"), ..options }).await.unwrap();
+    let service = service::build(ServerOptions { listen, data: folder.join("data"), ..options }).await.unwrap();
     let handle = service.handle();
     tokio::spawn(service.run(std::future::pending()));
     handle
 }
 
 /// Connects and makes a call.
-async fn call(settings: &Settings) -> Error {
+async fn call(settings: &ClientSettings) -> Error {
     let list = async || {
         let client = Client::connect(settings).await?;
         Ok(client.jobs().list_jobs(v1::ListJobsRequest::default()).await?)
@@ -34,7 +34,7 @@ async fn a_client_without_encryption_is_told_that_the_server_expects_it() {
     let folder = tempfile::tempdir().unwrap();
     let server = start(folder.path(), guarded::options(folder.path())).await;
     let address = format!("http://{}", server.address());
-    let error = call(&Settings::new(&address)).await;
+    let error = call(&ClientSettings::new(&address)).await;
     assert_eq!(error.misfit(), Some(Misfit::Encrypted), "{error}");
     let text = error.to_string();
     assert!(text.contains(&address) && text.contains("it expects https://"), "{text}");
@@ -44,9 +44,9 @@ async fn a_client_without_encryption_is_told_that_the_server_expects_it() {
 #[tokio::test]
 async fn a_client_with_encryption_is_told_that_the_server_has_none() {
     let folder = tempfile::tempdir().unwrap();
-    let server = start(folder.path(), Options::default()).await;
+    let server = start(folder.path(), ServerOptions::default()).await;
     let address = format!("https://{}", server.address());
-    let error = call(&Settings::new(&address)).await;
+    let error = call(&ClientSettings::new(&address)).await;
     assert_eq!(error.misfit(), Some(Misfit::Unencrypted), "{error}");
     assert!(error.to_string().contains("it expects http://"), "{error}");
     assert!(!error.is_passing(), "a repetition does not help");
@@ -68,7 +68,7 @@ async fn the_certificate_of_an_authority_as_that_of_a_server_is_named_with_the_r
     std::fs::write(&options.guard.tls_key, key.serialize_pem()).unwrap();
     let server = start(folder.path(), options).await;
     let address = format!("https://localhost:{}", server.address().port());
-    let error = call(&Settings::new(&address).with_authorities(own.as_bytes())).await;
+    let error = call(&ClientSettings::new(&address).with_authorities(own.as_bytes())).await;
     assert_eq!(error.misfit(), Some(Misfit::Authority), "{error}");
     let text = error.to_string();
     assert!(text.contains(&address) && text.contains("basicConstraints=CA:FALSE"), "{text}");
@@ -82,10 +82,10 @@ async fn an_address_without_a_scheme_is_encrypted_if_authorities_are_given() {
     let folder = tempfile::tempdir().unwrap();
     let server = start(folder.path(), guarded::options(folder.path())).await;
     let address = format!("localhost:{}", server.address().port());
-    let error = call(&Settings::new(&address)).await;
+    let error = call(&ClientSettings::new(&address)).await;
     assert_eq!(error.misfit(), Some(Misfit::Encrypted), "{error}");
     let authorities = std::fs::read(folder.path().join("ca.pem")).unwrap();
-    let settings = Settings::new(&address).with_authorities(&authorities);
+    let settings = ClientSettings::new(&address).with_authorities(&authorities);
     assert_eq!(settings.address(), format!("https://{address}"));
     assert_eq!(call(&settings).await.reason().as_deref(), Some("UNAUTHENTICATED"));
     server.stop();
@@ -99,7 +99,7 @@ async fn a_client_without_the_certificate_that_the_server_asks_for_gets_that_rea
     let server = start(folder.path(), options).await;
     let authorities = std::fs::read(folder.path().join("ca.pem")).unwrap();
     let address = format!("https://localhost:{}", server.address().port());
-    let error = call(&Settings::new(&address).with_authorities(&authorities)).await;
+    let error = call(&ClientSettings::new(&address).with_authorities(&authorities)).await;
     assert_eq!(error.misfit(), Some(Misfit::Certificate), "{error}");
     let text = error.to_string();
     assert!(text.contains(&address) && text.contains("CertificateRequired"), "{text}");

@@ -16,14 +16,14 @@ use crate::doctor::examine_as;
 use crate::local::claim::{self, CLAIM, is_claimed};
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
-use crate::local::folder_lock::{FolderLock, Holder};
+use crate::local::folder_lock::{FolderLock, LockHolder};
 use crate::local::ledger::backups::HELD;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
-use crate::local::store::{Store, keep_private};
+use crate::local::store::{DataFolder, keep_private};
 use crate::output::step;
 use crate::reason::Refusal;
-use crate::results::Document;
+use crate::results::StoredResult;
 
 /// Time that a server gets to begin with the copy of its ledger.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -89,14 +89,14 @@ fn has_ledger(folder: &Path) -> Result<(), String> {
 }
 
 fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
-    match Store::examine(from.to_owned(), false, Disk::default(), Holder::Backup) {
+    match DataFolder::examine(from.to_owned(), false, Disk::default(), LockHolder::Backup) {
         Ok(store) => copy_ledger(&store, &to.join("ledger.redb"))?,
         Err(error) if error.kind() == io::ErrorKind::ResourceBusy && may_be_of_server(from) => {
             ask(from, &to.join("ledger.redb"))?
         }
         Err(error) => return Err(error.into()),
     }
-    let target = Store::examine(to.to_owned(), true, Disk::default(), Holder::Backup)?;
+    let target = DataFolder::examine(to.to_owned(), true, Disk::default(), LockHolder::Backup)?;
     let checkup = Checkup::open(&target, true)?;
     let rows = checkup.rows()?;
     let mut gone = Vec::new();
@@ -107,7 +107,7 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
         }
         let has = |file: &str| target.job(&record.id).join(file).is_file();
         let log = record.log_digest.is_empty() || target.logs(&record.id).there() || checkup.log(&record.id)?.is_some();
-        if !log || record.runs.has_files && !has(Document::Files.file()) {
+        if !log || record.runs.has_files && !has(StoredResult::Files.file()) {
             target.remove_job(&record.id)?;
             gone.push(record);
         }
@@ -130,7 +130,7 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
 
 /// Whether the process that uses a folder may be a server, which copies its ledger on request.
 fn may_be_of_server(folder: &Path) -> bool {
-    FolderLock::holder(folder).is_none_or(|holder| holder == Holder::Server)
+    FolderLock::holder(folder).is_none_or(|holder| holder == LockHolder::Server)
 }
 
 /// Asks the server that uses a folder for a copy of its ledger.
@@ -189,7 +189,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
             from.display()
         ));
     }
-    if let (Some(damage), false) = (examine_as(from, false, Disk::default(), Holder::Restore)?.first(), damaged) {
+    if let (Some(damage), false) = (examine_as(from, false, Disk::default(), LockHolder::Restore)?.first(), damaged) {
         let all = format!("counterpointd doctor --data '{}'", from.display());
         return Err(format!(
             "the backup is damaged (all damages: {all}; restore it all the same: --damaged): {damage}"

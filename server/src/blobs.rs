@@ -62,7 +62,7 @@ pub(crate) trait Blobs: Send + Sync + Debug {
     fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal>;
 
     /// Begins to receive a blob announced as `digest`, and perhaps with its size.
-    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn Receiver>, Refusal>;
+    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn BlobReceiver>, Refusal>;
 
     /// Puts a content of this process, whose digest its owner has made, in its place: where blobs are in memory nothing
     /// is copied.
@@ -77,7 +77,7 @@ pub(crate) trait Blobs: Send + Sync + Debug {
 }
 
 /// A blob on its way in. Dropping it leaves nothing behind.
-pub(crate) trait Receiver: Send {
+pub(crate) trait BlobReceiver: Send {
     /// Whether a chunk is only copied, so it needs no thread that may wait.
     fn in_memory(&self) -> bool;
 

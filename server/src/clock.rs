@@ -23,20 +23,20 @@ const CONFIRMED: Duration = Duration::from_secs(3600);
 
 /// A jump of the clock of the computer that is not confirmed.
 #[derive(Debug, Clone, Copy)]
-struct Jump {
+struct ClockJump {
     since: Instant,
     by_ms: i64,
 }
 
 /// The state: a time, and when it was read.
 #[derive(Debug)]
-struct Reading {
+struct ClockReading {
     time_ms: i64,
     at: Instant,
-    jump: Option<Jump>,
+    jump: Option<ClockJump>,
 }
 
-impl Reading {
+impl ClockReading {
     /// The time when the monotonic clock has reached `at` and the clock of the computer shows `shown_ms`.
     fn read(&mut self, shown_ms: i64, at: Instant, most_ahead_ms: i64) -> i64 {
         let passed = at.saturating_duration_since(self.at);
@@ -64,7 +64,7 @@ impl Reading {
                 confirmed
             }
             _ => {
-                self.jump = Some(Jump { since: at, by_ms });
+                self.jump = Some(ClockJump { since: at, by_ms });
                 tracing::warn!(
                     ahead_s = by_ms / 1000,
                     "the clock of this computer has jumped ahead: no job is removed because of it within an hour; set \
@@ -78,7 +78,7 @@ impl Reading {
 
 /// The time, never before an earlier one.
 #[derive(Debug)]
-pub(crate) struct Clock(Mutex<Reading>);
+pub(crate) struct Clock(Mutex<ClockReading>);
 
 impl Clock {
     /// A clock that has shown this before, ms since 1970; 0 = none has.
@@ -87,7 +87,7 @@ impl Clock {
     }
 
     fn at(highest_ms: i64, shown_ms: i64, at: Instant) -> Self {
-        let mut reading = Reading { time_ms: if highest_ms > 0 { highest_ms } else { shown_ms }, at, jump: None };
+        let mut reading = ClockReading { time_ms: if highest_ms > 0 { highest_ms } else { shown_ms }, at, jump: None };
         reading.read(shown_ms, at, MOST_BETWEEN_SERVERS_MS);
         Self(Mutex::new(reading))
     }
@@ -103,7 +103,7 @@ impl Clock {
         self.reading(|reading| reading.jump.map_or(0, |jump| jump.by_ms))
     }
 
-    fn reading<T>(&self, look: impl FnOnce(&mut Reading) -> T) -> T {
+    fn reading<T>(&self, look: impl FnOnce(&mut ClockReading) -> T) -> T {
         look(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

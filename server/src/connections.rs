@@ -1,6 +1,6 @@
 //! Open connections: their callers, their start, and their calls.
 //!
-//! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is
+//! *Invariant:* a connection is listed exactly as long as its [`ListedConnection`] lives, a call counts until its [`ActiveCall`] is
 //! dropped.
 
 use std::net::SocketAddr;
@@ -14,7 +14,7 @@ use crate::ledger::record::now_ms;
 
 /// Counts of a connection.
 #[derive(Debug)]
-struct Counts {
+struct ConnectionCounters {
     number: u64,
     peer: SocketAddr,
     since_ms: i64,
@@ -29,7 +29,7 @@ struct Counts {
 
 /// Data of a connection.
 #[derive(Debug)]
-pub(crate) struct Seen {
+pub(crate) struct ConnectionStatus {
     pub(crate) number: u64,
     pub(crate) peer: SocketAddr,
     pub(crate) since_ms: i64,
@@ -42,14 +42,14 @@ pub(crate) struct Seen {
 #[derive(Debug, Default)]
 pub(crate) struct Connections {
     last: AtomicU64,
-    open: DashMap<u64, Arc<Counts>>,
+    open: DashMap<u64, Arc<ConnectionCounters>>,
 }
 
 impl Connections {
     /// Lists a connection.
-    pub(crate) fn list(self: &Arc<Self>, peer: SocketAddr) -> Connection {
+    pub(crate) fn list(self: &Arc<Self>, peer: SocketAddr) -> ListedConnection {
         let number = self.last.fetch_add(1, Ordering::Relaxed) + 1;
-        let counts = Arc::new(Counts {
+        let counts = Arc::new(ConnectionCounters {
             number,
             peer,
             since_ms: now_ms(),
@@ -60,7 +60,7 @@ impl Connections {
             served: AtomicUsize::new(0),
         });
         self.open.insert(number, counts.clone());
-        Connection { all: self.clone(), counts }
+        ListedConnection { all: self.clone(), counts }
     }
 
     /// How many are open.
@@ -69,8 +69,8 @@ impl Connections {
     }
 
     /// All of them, oldest first.
-    pub(crate) fn seen(&self) -> Vec<Seen> {
-        let seen = |counts: &Counts| Seen {
+    pub(crate) fn seen(&self) -> Vec<ConnectionStatus> {
+        let seen = |counts: &ConnectionCounters| ConnectionStatus {
             number: counts.number,
             peer: counts.peer,
             since_ms: counts.since_ms,
@@ -78,7 +78,7 @@ impl Connections {
             open: counts.open.load(Ordering::Relaxed),
             all: counts.all.load(Ordering::Relaxed),
         };
-        let mut all: Vec<Seen> = self.open.iter().map(|counts| seen(&counts)).collect();
+        let mut all: Vec<ConnectionStatus> = self.open.iter().map(|counts| seen(&counts)).collect();
         all.sort_by_key(|connection| connection.number);
         all
     }
@@ -86,18 +86,18 @@ impl Connections {
 
 /// A connection that is listed.
 #[derive(Debug)]
-pub(crate) struct Connection {
+pub(crate) struct ListedConnection {
     all: Arc<Connections>,
-    counts: Arc<Counts>,
+    counts: Arc<ConnectionCounters>,
 }
 
-impl Connection {
+impl ListedConnection {
     /// Counts a call.
-    pub(crate) fn begin(&self) -> Call {
+    pub(crate) fn begin(&self) -> ActiveCall {
         self.counts.open.fetch_add(1, Ordering::Relaxed);
         self.counts.all.fetch_add(1, Ordering::Relaxed);
         self.counts.served.fetch_add(1, Ordering::Relaxed);
-        Call(self.counts.clone())
+        ActiveCall(self.counts.clone())
     }
 
     /// Whether no call is in progress.
@@ -111,7 +111,7 @@ impl Connection {
     }
 }
 
-impl Drop for Connection {
+impl Drop for ListedConnection {
     fn drop(&mut self) {
         self.all.open.remove(&self.counts.number);
     }
@@ -119,9 +119,9 @@ impl Drop for Connection {
 
 /// A call in progress, until its answer has been sent or dropped.
 #[derive(Debug)]
-pub(crate) struct Call(Arc<Counts>);
+pub(crate) struct ActiveCall(Arc<ConnectionCounters>);
 
-impl Call {
+impl ActiveCall {
     /// Whether no identity has called on the connection.
     pub(crate) fn of_a_stranger(&self) -> bool {
         self.0.identity.lock().unwrap_or_else(PoisonError::into_inner).is_none()
@@ -139,7 +139,7 @@ impl Call {
     }
 }
 
-impl Drop for Call {
+impl Drop for ActiveCall {
     fn drop(&mut self) {
         self.0.open.fetch_sub(1, Ordering::Relaxed);
     }

@@ -8,26 +8,26 @@ use std::path::{Path, PathBuf};
 use std::{fmt, fs, io};
 
 use crate::blobs::{Blobs as _, is_digest};
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::local::blobs::LocalBlobs;
 use crate::local::claim::{CLAIM, REMEDY, UNFINISHED, is_claimed};
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
-use crate::local::folder_lock::Holder;
-use crate::local::ledger::checkup::{Checkup, Rows};
+use crate::local::folder_lock::LockHolder;
+use crate::local::ledger::checkup::{Checkup, LedgerContent};
 use crate::local::ledger::salvage::Saved;
 use crate::local::ledger::{lost, lost_for_good, not_lost, unopened_by};
-use crate::local::named::{Named as _, is_of_host};
-use crate::local::store::Store;
-use crate::log::kept::Kept;
-use crate::log::reader::{Events, Reader};
+use crate::local::named::{PathContext as _, is_of_host};
+use crate::local::store::DataFolder;
+use crate::log::kept::StoredLog;
+use crate::log::reader::{Events, LogReader};
 use crate::output::step;
 use crate::reason::Refusal;
-use crate::results::Document;
+use crate::results::StoredResult;
 
 /// A damage.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Damage {
+pub struct DoctorFinding {
     /// File or folder.
     pub path: PathBuf,
     /// The error.
@@ -40,7 +40,7 @@ pub struct Damage {
     pub note: bool,
 }
 
-impl fmt::Display for Damage {
+impl fmt::Display for DoctorFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let state = match self.repaired {
             _ if self.note => "note",
@@ -56,7 +56,7 @@ impl fmt::Display for Damage {
 /// # Errors
 /// When the folder cannot be examined: it does not exist, is not a data folder, is in use by a server, or cannot be
 /// read. For a repair, also when it cannot be written.
-pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
+pub fn examine(folder: &Path, repair: bool) -> Result<Vec<DoctorFinding>, String> {
     examine_on(folder, repair, Disk::default())
 }
 
@@ -64,18 +64,24 @@ pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
 ///
 /// # Errors
 /// As above.
-pub fn examine_on(folder: &Path, repair: bool, disk: Disk) -> Result<Vec<Damage>, String> {
-    examine_as(folder, repair, disk, Holder::Doctor)
+pub fn examine_on(folder: &Path, repair: bool, disk: Disk) -> Result<Vec<DoctorFinding>, String> {
+    examine_as(folder, repair, disk, LockHolder::Doctor)
 }
 
 /// Does the same for another command.
-pub(crate) fn examine_as(folder: &Path, repair: bool, disk: Disk, holder: Holder) -> Result<Vec<Damage>, String> {
-    let store = Store::examine(folder.to_owned(), repair, disk, holder).map_err(|error| match is_of_host(&error) {
-        true => error.to_string(),
-        false => format!("'{}': {error}", folder.display()),
-    })?;
+pub(crate) fn examine_as(
+    folder: &Path,
+    repair: bool,
+    disk: Disk,
+    holder: LockHolder,
+) -> Result<Vec<DoctorFinding>, String> {
+    let store =
+        DataFolder::examine(folder.to_owned(), repair, disk, holder).map_err(|error| match is_of_host(&error) {
+            true => error.to_string(),
+            false => format!("'{}': {error}", folder.display()),
+        })?;
     let claimed = is_claimed(folder);
-    let damage = || Damage {
+    let damage = || DoctorFinding {
         path: folder.join(CLAIM),
         what: UNFINISHED.to_owned(),
         remedy: REMEDY.to_owned(),
@@ -98,18 +104,18 @@ pub(crate) fn examine_as(folder: &Path, repair: bool, disk: Disk, holder: Holder
 }
 
 struct Doctor {
-    store: Store,
+    store: DataFolder,
     blobs: LocalBlobs,
     repair: bool,
     /// Rows of the ledger have been lost.
     lost: bool,
-    found: Vec<Damage>,
+    found: Vec<DoctorFinding>,
 }
 
 impl Doctor {
     /// Notes damage that a repair cannot remove.
     fn lasting(&mut self, path: PathBuf, what: impl Into<String>, remedy: impl Into<String>) {
-        self.found.push(Damage { path, what: what.into(), remedy: remedy.into(), repaired: false, note: false });
+        self.found.push(DoctorFinding { path, what: what.into(), remedy: remedy.into(), repaired: false, note: false });
     }
 
     /// Notes a damage that a repair mends by `done`.
@@ -118,7 +124,7 @@ impl Doctor {
             true => format!("{done}{then}"),
             false => format!("run again with --repair: {done}{then}"),
         };
-        self.found.push(Damage { path, what: what.into(), remedy, repaired: self.repair, note: false });
+        self.found.push(DoctorFinding { path, what: what.into(), remedy, repaired: self.repair, note: false });
     }
 
     fn folder(&mut self) -> Result<(), Refusal> {
@@ -204,10 +210,10 @@ impl Doctor {
             }
         };
         let remedy = "delete again those that were".to_owned();
-        self.found.push(Damage { path, what, remedy, repaired: false, note: true });
+        self.found.push(DoctorFinding { path, what, remedy, repaired: false, note: true });
     }
 
-    fn rows(&mut self, rows: &Rows) {
+    fn rows(&mut self, rows: &LedgerContent) {
         let ledger = self.store.ledger();
         for row in &rows.unreadable {
             let (text, then) = match row.machine {
@@ -229,7 +235,7 @@ impl Doctor {
     }
 
     /// Reads the log of a job that has ended, and the files that its macros have written.
-    fn job(&mut self, checkup: &Checkup, record: &Record) -> Result<(), Refusal> {
+    fn job(&mut self, checkup: &Checkup, record: &JobRecord) -> Result<(), Refusal> {
         let again = "delete the job and submit it again: the same job gives the same log";
         // The text of a damaged log already says that the same job gives the same log.
         let remedy = |text: &str| if text.contains("submit the job again") { "delete the damaged job" } else { again };
@@ -237,8 +243,8 @@ impl Doctor {
             let files = self.store.logs(&record.id);
             let path = if files.segments.is_file() { files.segments.clone() } else { files.plain.clone() };
             let kept = match files.there() {
-                true => Ok(Some(Kept::in_files(&record.id, files))),
-                false => checkup.log(&record.id).map(|log| log.map(|log| Kept::in_ledger(&record.id, log))),
+                true => Ok(Some(StoredLog::in_files(&record.id, files))),
+                false => checkup.log(&record.id).map(|log| log.map(|log| StoredLog::in_ledger(&record.id, log))),
             };
             match kept {
                 Err(Refusal::DataLoss(text)) => {
@@ -258,8 +264,8 @@ impl Doctor {
             }
         }
         if record.runs.has_files {
-            let path = self.store.job(&record.id).join(Document::Files.file());
-            let read = self.store.read(&record.id, Document::Files.file()).ok().or_else(|| {
+            let path = self.store.job(&record.id).join(StoredResult::Files.file());
+            let read = self.store.read(&record.id, StoredResult::Files.file()).ok().or_else(|| {
                 // As an earlier version wrote it.
                 fs::read(&path).ok().filter(|_| checkup.earlier)
             });
@@ -270,7 +276,7 @@ impl Doctor {
         Ok(())
     }
 
-    fn folders(&mut self, rows: &Rows) -> Result<(), Refusal> {
+    fn folders(&mut self, rows: &LedgerContent) -> Result<(), Refusal> {
         let jobs = rows.jobs.iter().map(|record| &record.id);
         let unreadable = rows.unreadable.iter().filter(|row| !row.machine && !self.repair).map(|row| &row.key);
         let known: BTreeSet<&String> = jobs.chain(unreadable).collect();
@@ -293,7 +299,7 @@ impl Doctor {
         Ok(())
     }
 
-    fn blobs(&mut self, rows: &Rows) -> Result<(), Refusal> {
+    fn blobs(&mut self, rows: &LedgerContent) -> Result<(), Refusal> {
         let mut damaged = BTreeSet::new();
         for tenant in self.store.tenants()? {
             self.blobs_of(&tenant, &mut damaged)?;
@@ -339,10 +345,10 @@ impl Doctor {
 }
 
 /// Why a log cannot be read to its last event; `None` if it can.
-fn damage_of_log(log: &Kept, events: u64) -> io::Result<Option<io::Error>> {
+fn damage_of_log(log: &StoredLog, events: u64) -> io::Result<Option<io::Error>> {
     let whole = || {
         log.check_beginning()?;
-        let mut read = Events::new(Reader::open_ended(log, 0)?, events);
+        let mut read = Events::new(LogReader::open_ended(log, 0)?, events);
         (&mut read).for_each(drop);
         read.error().map_or(Ok(()), Err)
     };

@@ -1,6 +1,6 @@
 //! The requirements of the server to its host.
 //!
-//! Invariant: [`Host`] is about this machine alone; data that other machines need are in ledger, queue, logs and blobs.
+//! Invariant: [`ServerHost`] is about this machine alone; data that other machines need are in ledger, queue, logs and blobs.
 
 use std::fmt::Debug;
 use std::io;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Mark of a run, read by the next server after a crash.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Mark {
+pub(crate) struct RunMark {
     pub(crate) id: String,
     /// Number of the run.
     pub(crate) attempt: u32,
@@ -17,19 +17,19 @@ pub(crate) struct Mark {
 }
 
 /// The machine.
-pub(crate) trait Host: Send + Sync + Debug {
+pub(crate) trait ServerHost: Send + Sync + Debug {
     /// Free bytes for the server's storage; `None` if the system does not report them.
     fn free(&self) -> Option<u64>;
 
     /// Marks a job as running and replaces its earlier mark. The mark is not made durable: it is needed after a crash,
     /// but not after a power loss, which no job has caused.
-    fn mark(&self, mark: &Mark) -> io::Result<()>;
+    fn mark(&self, mark: &RunMark) -> io::Result<()>;
 
     /// Removes the mark of a job. If the removal fails, the next server may run the job alone.
     fn unmark(&self, id: &str);
 
     /// Marks that the previous server left when it died.
-    fn marks(&self) -> io::Result<Vec<Mark>>;
+    fn marks(&self) -> io::Result<Vec<RunMark>>;
 
     /// Folder for files that are not needed after a restart.
     fn scratch(&self) -> PathBuf;

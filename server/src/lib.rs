@@ -1,7 +1,7 @@
 //! The server of Counterpoint: accepts jobs over gRPC, keeps them durably, runs them on the control emulator and
 //! serves their event logs and results.
 //!
-//! Shape: [`options::Options`] → [`service::build`] → [`service::Service::run`] with a cheap [`service::Handle`].
+//! Shape: [`options::ServerOptions`] → [`service::build`] → [`service::Service::run`] with a cheap [`service::Handle`].
 //! Invariants: a submit answers only after the job is on stable storage; a watcher reads the log and never is between a
 //! kernel and its log; nothing here knows how a block is processed.
 
@@ -46,4 +46,4 @@ mod trace;
 pub mod utc;
 mod webhooks;
 
-pub use ledger::record::Record;
+pub use ledger::record::JobRecord;

@@ -10,14 +10,14 @@ use counterpoint_server::access::token_commands::TokenCommand;
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
-use counterpoint_server::options::{Flags, Options, any_path};
+use counterpoint_server::options::{ServerFlags, ServerOptions, any_path};
 use counterpoint_server::output;
 use counterpoint_server::{environment, logging, man, service, start_threads};
 
 /// The Counterpoint server: runs NC programs as the control would
 #[derive(Debug, Parser)]
 #[command(name = "counterpointd", version)]
-struct Arguments {
+struct ServerArgs {
     /// Configuration file; flags and environment override it
     #[arg(long, global = true, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml", value_parser = any_path())]
     config: Option<PathBuf>,
@@ -25,13 +25,13 @@ struct Arguments {
     #[arg(long)]
     print_config: bool,
     #[command(flatten)]
-    flags: Flags,
+    flags: ServerFlags,
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<ServerCommand>,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum ServerCommand {
     /// Examine the data folder of a stopped server: list all damage with its remedies
     ///
     /// Exit code: 0 = no damage remains, 1 = there is damage or rows may be lost, 2 = wrong usage, 3 = the folder cannot
@@ -76,30 +76,30 @@ enum Command {
 
 fn write_pages(folder: Option<&Path>) -> Result<(), String> {
     let Some(folder) = folder else {
-        return man::page(Arguments::command()).and_then(|page| output::line(format_args!("{}", page.trim_end())));
+        return man::page(ServerArgs::command()).and_then(|page| output::line(format_args!("{}", page.trim_end())));
     };
-    man::write(Arguments::command(), folder).and_then(|()| {
+    man::write(ServerArgs::command(), folder).and_then(|()| {
         let folder = folder.display();
         output::line(format_args!("man pages written to {folder}: `man -l {folder}/counterpointd.8` shows one"))
     })
 }
 
 /// Executes commands that need no server of their own.
-fn run(command: &Command, options: &Options) -> ExitCode {
+fn run(command: &ServerCommand, options: &ServerOptions) -> ExitCode {
     let data = &options.data;
     output::show_steps();
     let done = match command {
-        Command::Token(command) => command.run(&options.guard.access),
-        Command::Man { folder } => write_pages(folder.as_deref()),
-        Command::Doctor { data: own, repair } => {
+        ServerCommand::Token(command) => command.run(&options.guard.access),
+        ServerCommand::Man { folder } => write_pages(folder.as_deref()),
+        ServerCommand::Doctor { data: own, repair } => {
             keep_private();
             return examine(own.as_deref().unwrap_or(data), *repair);
         }
-        Command::Backup { to, data: own } => {
+        ServerCommand::Backup { to, data: own } => {
             keep_private();
             return back_up(own.as_deref().unwrap_or(data), to);
         }
-        Command::Restore { from, damaged, data: own } => {
+        ServerCommand::Restore { from, damaged, data: own } => {
             keep_private();
             let to = own.as_deref().unwrap_or(data);
             backup::restore(from, to, *damaged).and_then(|()| output::line(format_args!("restored: {}", to.display())))
@@ -164,25 +164,25 @@ const IDLE_THREAD: Duration = Duration::from_millis(100);
 const LAST_READS: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {
-    let arguments: Arguments = environment::parse();
+    let arguments: ServerArgs = environment::parse();
     if arguments.print_config && arguments.command.is_some() {
         let text = "--print-config cannot be combined with a command";
-        Arguments::command().error(ErrorKind::ArgumentConflict, text).exit();
+        ServerArgs::command().error(ErrorKind::ArgumentConflict, text).exit();
     }
-    if let Some(Command::Man { folder }) = &arguments.command {
+    if let Some(ServerCommand::Man { folder }) = &arguments.command {
         // The pages do not depend on the configuration.
         return outcome(write_pages(folder.as_deref()));
     }
     let config = arguments.config.filter(|path| !path.as_os_str().is_empty());
     let base = match &config {
-        Some(path) => Options::from_file(path),
-        None => Ok(Options::default()),
+        Some(path) => ServerOptions::from_file(path),
+        None => Ok(ServerOptions::default()),
     };
     let options = match base.and_then(|base| arguments.flags.over(base).checked()) {
         Ok(options) => options,
         Err(error) => return fail(2, &error),
     };
-    let unknown = environment::unknown::<Arguments>();
+    let unknown = environment::unknown::<ServerArgs>();
     if arguments.print_config {
         unknown.iter().for_each(|text| output::remark(format_args!("{text}")));
         return match output::line(format_args!("{}", options.to_commented_toml().trim_end())) {
@@ -210,7 +210,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs the server to its end.
-fn start(options: Options, config: Option<&Path>) -> Result<(), Box<dyn std::error::Error>> {
+fn start(options: ServerOptions, config: Option<&Path>) -> Result<(), Box<dyn std::error::Error>> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     start_threads::can_start(threads)?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -236,7 +236,7 @@ fn fail(code: u8, error: &dyn std::fmt::Display) -> ExitCode {
     ExitCode::from(code)
 }
 
-async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::Error> {
+async fn serve(options: ServerOptions, config: Option<&Path>) -> Result<(), service::Error> {
     let data = std::path::absolute(&options.data).unwrap_or_else(|_| options.data.clone());
     let service = service::build(options).await?;
     let handle = service.handle();
@@ -274,8 +274,8 @@ async fn tell(manager: Option<&Manager>, handle: &service::Handle) {
 
 /// Reads the tables of tenants again; the old ones stay when the file has an error. `before`: the file at the start.
 #[cfg(unix)]
-fn tenants_again(handle: &service::Handle, config: &Path, before: &Options) {
-    match Options::from_file(config) {
+fn tenants_again(handle: &service::Handle, config: &Path, before: &ServerOptions) {
+    match ServerOptions::from_file(config) {
         Ok(options) => {
             let others = before.names_of_other_changes(&options);
             handle.set_tenants(options.tables.tenants);
@@ -295,7 +295,7 @@ fn tenants_again(handle: &service::Handle, config: &Path, before: &Options) {
 /// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(unix)]
 async fn signals(handle: service::Handle, config: Option<&Path>) {
-    let before = config.and_then(|config| Options::from_file(config).ok()).unwrap_or_default();
+    let before = config.and_then(|config| ServerOptions::from_file(config).ok()).unwrap_or_default();
     use tokio::signal::unix::{SignalKind, signal};
     if let (Ok(mut terminate), Ok(mut interrupt), Ok(mut hangup)) =
         (signal(SignalKind::terminate()), signal(SignalKind::interrupt()), signal(SignalKind::hangup()))

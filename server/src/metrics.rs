@@ -14,7 +14,7 @@ use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::{Metric, Registry};
 
 use crate::ledger::Compacted;
-use crate::process::Process;
+use crate::process::ProcessMetrics;
 
 /// Displayed name, kind, and description.
 pub(crate) const TABLE: &[(&str, &str, &str)] = &[
@@ -89,7 +89,7 @@ type ByClass = [(&'static str, String); 2];
 
 /// Waiting jobs of one tenant and priority: their number, and the age of the oldest in seconds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Waiting {
+pub(crate) struct WaitingJobs {
     pub(crate) tenant: String,
     pub(crate) priority: &'static str,
     pub(crate) jobs: i64,
@@ -98,7 +98,7 @@ pub(crate) struct Waiting {
 
 /// The use of the quotas of one tenant.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Used {
+pub(crate) struct QuotaUsage {
     pub(crate) running: i64,
     pub(crate) bytes: i64,
     pub(crate) file_bytes: i64,
@@ -118,14 +118,14 @@ struct Tenants {
 
 /// Calls of the contract.
 #[derive(Debug)]
-struct Calls {
+struct CallMetrics {
     total: Family<Two, Counter>,
     seconds: Family<One, Histogram, fn() -> Histogram>,
 }
 
 /// Calls of identities that call too often.
 #[derive(Debug, Default)]
-pub(crate) struct Rates {
+pub(crate) struct RateLimitMetrics {
     /// Calls that waited for the turn of their identity.
     pub(crate) deferred: Counter,
     pub(crate) held: Counter,
@@ -137,7 +137,7 @@ pub(crate) struct Rates {
 /// A call that waits, until it is dropped.
 pub(crate) struct WaitingCall(Gauge);
 
-impl Rates {
+impl RateLimitMetrics {
     /// Counts a call that waits.
     pub(crate) fn hold(&self) -> WaitingCall {
         self.held.inc();
@@ -154,7 +154,7 @@ impl Drop for WaitingCall {
 
 /// Jobs and their runs.
 #[derive(Debug, Default)]
-pub(crate) struct Jobs {
+pub(crate) struct JobMetrics {
     pub(crate) accepted: Counter,
     ended: Family<One, Counter>,
     /// They got the results of an equal job.
@@ -173,7 +173,7 @@ pub(crate) struct Jobs {
 
 /// The stored data.
 #[derive(Debug)]
-pub(crate) struct Storage {
+pub(crate) struct StorageMetrics {
     commit_seconds: Histogram,
     pub(crate) syncs: Counter,
     pub(crate) free_bytes: Gauge,
@@ -199,7 +199,7 @@ pub(crate) enum WebhookOutcome {
 
 /// Webhooks of the targets.
 #[derive(Debug, Default)]
-struct Webhooks {
+struct WebhookMetrics {
     total: Family<ByClass, Counter>,
     waiting: Family<ByTarget, Gauge>,
 }
@@ -208,15 +208,15 @@ struct Webhooks {
 #[derive(Debug)]
 pub(crate) struct Metrics {
     registry: Registry,
-    calls: Calls,
-    pub(crate) rates: Rates,
-    pub(crate) jobs: Jobs,
+    calls: CallMetrics,
+    pub(crate) rates: RateLimitMetrics,
+    pub(crate) jobs: JobMetrics,
     tenants: Tenants,
     pub(crate) watchers: Gauge,
     pub(crate) lag: Gauge,
-    pub(crate) storage: Storage,
-    webhooks: Webhooks,
-    pub(crate) process: Process,
+    pub(crate) storage: StorageMetrics,
+    webhooks: WebhookMetrics,
+    pub(crate) process: ProcessMetrics,
 }
 
 /// From half a millisecond to 16 s.
@@ -233,10 +233,10 @@ fn register(registry: &mut Registry, name: &str, metric: impl Metric) {
 impl Metrics {
     pub(crate) fn new() -> Self {
         let seconds = Family::new_with_constructor(times as fn() -> Histogram);
-        let calls = Calls { total: Family::default(), seconds };
-        let (rates, jobs) = (Rates::default(), Jobs::default());
+        let calls = CallMetrics { total: Family::default(), seconds };
+        let (rates, jobs) = (RateLimitMetrics::default(), JobMetrics::default());
         let tenants = Tenants::default();
-        let storage = Storage {
+        let storage = StorageMetrics {
             commit_seconds: times(),
             syncs: Counter::default(),
             free_bytes: Gauge::default(),
@@ -283,9 +283,9 @@ impl Metrics {
         register(all, "counterpoint_ledger_compaction_seconds_total", storage.compaction_seconds.clone());
         register(all, "counterpoint_ledger_reclaimed_bytes_total", storage.reclaimed.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
-        let process = Process::new();
+        let process = ProcessMetrics::new();
         register(all, "counterpoint_clock_ahead_seconds", process.clock_ahead_s.clone());
-        let webhooks = Webhooks::default();
+        let webhooks = WebhookMetrics::default();
         register(all, "counterpoint_webhooks_total", webhooks.total.clone());
         register(all, "counterpoint_webhooks_waiting", webhooks.waiting.clone());
         register(all, "counterpoint_connections", process.connections.clone());
@@ -340,11 +340,15 @@ impl Metrics {
     }
 
     /// Sets the waiting jobs and the number of paused jobs of each tenant. A tenant without jobs is no longer shown.
-    pub(crate) fn queue(&self, waiting: impl Iterator<Item = Waiting>, paused: impl Iterator<Item = (String, i64)>) {
+    pub(crate) fn queue(
+        &self,
+        waiting: impl Iterator<Item = WaitingJobs>,
+        paused: impl Iterator<Item = (String, i64)>,
+    ) {
         self.jobs.queued.clear();
         self.jobs.age.clear();
         self.jobs.paused.clear();
-        for Waiting { tenant, priority, jobs, age_s } in waiting {
+        for WaitingJobs { tenant, priority, jobs, age_s } in waiting {
             let labels = [("tenant", tenant), ("priority", priority.to_owned())];
             self.jobs.queued.get_or_create(&labels).set(jobs);
             self.jobs.age.get_or_create(&labels).set(age_s);
@@ -355,10 +359,10 @@ impl Metrics {
     }
 
     /// Sets the usage of each tenant. A tenant without usage is no longer shown.
-    pub(crate) fn tenants(&self, used: impl Iterator<Item = (String, Used)>) {
+    pub(crate) fn tenants(&self, used: impl Iterator<Item = (String, QuotaUsage)>) {
         let Tenants { running, bytes, file_bytes, machine_bytes, cpu_s } = &self.tenants;
         [running, bytes, file_bytes, machine_bytes, cpu_s].iter().for_each(|family| family.clear());
-        for (tenant, used) in used.filter(|(_, used)| *used != Used::default()) {
+        for (tenant, used) in used.filter(|(_, used)| *used != QuotaUsage::default()) {
             let labels = [("tenant", tenant)];
             running.get_or_create(&labels).set(used.running);
             bytes.get_or_create(&labels).set(used.bytes);
@@ -401,10 +405,10 @@ mod tests {
         metrics.limit("wall_ms");
         metrics.webhook("mes", WebhookOutcome::Refused);
         metrics.webhooks_waiting("mes", 1);
-        let waiting = Waiting { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
+        let waiting = WaitingJobs { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
         metrics.queue([waiting].into_iter(), [("b".to_owned(), 2)].into_iter());
-        let used = Used { running: 1, bytes: 40, file_bytes: 50, machine_bytes: 60, cpu_s: 2 };
-        metrics.tenants([("c".to_owned(), used), ("d".to_owned(), Used::default())].into_iter());
+        let used = QuotaUsage { running: 1, bytes: 40, file_bytes: 50, machine_bytes: 60, cpu_s: 2 };
+        metrics.tenants([("c".to_owned(), used), ("d".to_owned(), QuotaUsage::default())].into_iter());
         let text = metrics.text();
         assert!(text.contains("counterpoint_tenant_stored_bytes{tenant=\"c\"} 40"), "{text}");
         assert!(text.contains("counterpoint_tenant_file_bytes{tenant=\"c\"} 50"), "{text}");

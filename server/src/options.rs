@@ -1,14 +1,14 @@
 //! Settings of the server: flags over environment over configuration file over defaults.
 //!
 //! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
-//! except for the tables of single tenants and of webhooks, which only a file has; and [`Options::to_toml`] prints a
+//! except for the tables of single tenants and of webhooks, which only a file has; and [`ServerOptions::to_toml`] prints a
 //! file that gives the same options again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use counterpoint_kernel::options::Limits;
+use counterpoint_kernel::options::JobLimits;
 use serde::{Deserialize, Serialize};
 
 use crate::logging::LogFormat;
@@ -27,7 +27,7 @@ pub use webhooks::Webhook;
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Options {
+pub struct ServerOptions {
     /// Address to listen on; port 0 = any free port.
     pub listen: SocketAddr,
     /// Data folder, with ledger, blobs, logs and results.
@@ -62,7 +62,7 @@ pub struct Options {
     pub retention: Retention,
     /// The tables that only a file has.
     #[serde(flatten)]
-    pub tables: Tables,
+    pub tables: OptionTables,
     /// How it lives inside of a command.
     #[serde(skip)]
     pub embedded: Embedded,
@@ -71,7 +71,7 @@ pub struct Options {
 /// Tables by name; no flag sets these.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Tables {
+pub struct OptionTables {
     /// Different quotas and retention of single tenants.
     pub tenants: BTreeMap<String, Tenant>,
     /// Targets that are notified when jobs end.
@@ -96,7 +96,7 @@ impl Default for Embedded {
     }
 }
 
-impl Default for Options {
+impl Default for ServerOptions {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from(([127, 0, 0, 1], 7878)),
@@ -112,7 +112,7 @@ impl Default for Options {
             quotas: Quotas::default(),
             connections: Connections::default(),
             retention: Retention::default(),
-            tables: Tables::default(),
+            tables: OptionTables::default(),
             embedded: Embedded::default(),
         }
     }
@@ -120,7 +120,7 @@ impl Default for Options {
 
 /// Why options cannot be had.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum OptionsError {
     /// The configuration file cannot be read.
     #[error("cannot read '{path}': {error}")]
     Read {
@@ -154,14 +154,15 @@ pub fn any_path() -> impl clap::builder::TypedValueParser<Value = PathBuf> {
     clap::builder::OsStringValueParser::new().map(PathBuf::from)
 }
 
-impl Options {
+impl ServerOptions {
     /// Options of a configuration file.
     ///
     /// # Errors
     /// When the file cannot be read, is no TOML or has unknown keys.
-    pub fn from_file(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::Read { path: path.to_owned(), error })?;
-        Self::parse(&text).map_err(|error| Error::Parse { path: path.to_owned(), error: Box::new(error) })
+    pub fn from_file(path: &Path) -> Result<Self, OptionsError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|error| OptionsError::Read { path: path.to_owned(), error })?;
+        Self::parse(&text).map_err(|error| OptionsError::Parse { path: path.to_owned(), error: Box::new(error) })
     }
 
     /// Options of a text; a name that no option has is an error.
@@ -183,17 +184,18 @@ impl Options {
     ///
     /// # Errors
     /// The first option whose value fails the check.
-    pub fn checked(self) -> Result<Self, Error> {
+    pub fn checked(self) -> Result<Self, OptionsError> {
         if self.data.as_os_str().as_encoded_bytes().contains(&0) {
-            return Err(Error::Value { option: "data".to_owned(), error: "the path contains a NUL character" });
+            return Err(OptionsError::Value { option: "data".to_owned(), error: "the path contains a NUL character" });
         }
         let text = self.to_toml();
         let values = text.lines().filter_map(|line| line.split_once(" = "));
         let numbers = values.filter_map(|(option, value)| Some((option, value.parse::<u64>().ok()?)));
         match numbers.into_iter().find(|(_, number)| i64::try_from(*number).is_err()) {
-            Some((option, _)) => {
-                Err(Error::Value { option: option.to_owned(), error: "the largest number is 9223372036854775807" })
-            }
+            Some((option, _)) => Err(OptionsError::Value {
+                option: option.to_owned(),
+                error: "the largest number is 9223372036854775807",
+            }),
             None => Ok(self),
         }
     }
@@ -219,7 +221,7 @@ impl Options {
         let maxima = Maxima {
             max_wall_ms: u64::MAX,
             max_job_bytes: u64::MAX,
-            max_memory: Limits::MOST.memory,
+            max_memory: JobLimits::MOST.memory,
             ..Maxima::default()
         };
         let own = Self { maxima, ..Self::default() };
@@ -273,7 +275,7 @@ fn check_names(given: &toml::Table) -> Result<(), toml::de::Error> {
 
 /// Flags and environment; options absent here come from the file or the defaults.
 #[derive(Debug, Default, clap::Args)]
-pub struct Flags {
+pub struct ServerFlags {
     /// Address to listen on; port 0 = any free port
     #[arg(long, env = "COUNTERPOINT_LISTEN", value_name = "ADDRESS")]
     pub listen: Option<SocketAddr>,
@@ -315,10 +317,10 @@ pub struct Flags {
     pub retention: RetentionFlags,
 }
 
-impl Flags {
+impl ServerFlags {
     /// Lays the flags over options.
     #[must_use]
-    pub fn over(self, mut options: Options) -> Options {
+    pub fn over(self, mut options: ServerOptions) -> ServerOptions {
         fn set<T>(target: &mut T, value: Option<T>) {
             if let Some(value) = value {
                 *target = value;
@@ -347,14 +349,14 @@ mod tests {
 
     #[test]
     fn printed_options_read_back_the_same() {
-        let options = Options { queue: 7, ..Options::default() };
-        let back = Options::parse(&options.to_toml()).unwrap();
+        let options = ServerOptions { queue: 7, ..ServerOptions::default() };
+        let back = ServerOptions::parse(&options.to_toml()).unwrap();
         assert_eq!(back, options);
     }
 
     #[test]
     fn changes_that_need_a_restart_are_named() {
-        let of = |text: &str| Options::parse(text).unwrap();
+        let of = |text: &str| ServerOptions::parse(text).unwrap();
         let before = of("queue = 3\n[tenants.a]\nqueued = 1\n");
         let none: [&str; 0] = [];
         assert_eq!(before.names_of_other_changes(&of("queue = 3\n[tenants.a]\nqueued = 2\n")), none);
@@ -367,31 +369,31 @@ mod tests {
 
     #[test]
     fn flags_win_and_unknown_keys_are_refused() {
-        let flags = Flags { queue: Some(9), ..Flags::default() };
-        assert_eq!(flags.over(Options::default()).queue, 9);
-        assert!(Options::parse("quue = 3").is_err());
+        let flags = ServerFlags { queue: Some(9), ..ServerFlags::default() };
+        assert_eq!(flags.over(ServerOptions::default()).queue, 9);
+        assert!(ServerOptions::parse("quue = 3").is_err());
     }
 
     #[test]
     fn a_tenant_of_its_own_has_what_its_table_says_and_the_rest_as_all() {
         let text = "tenant_queued = 5\ntenant_cpu_s = 60\n[tenants.cell]\nqueued = 9\ncpu_s = 0\nkeep_jobs = 3\n";
-        let options = Options::parse(text).unwrap();
+        let options = ServerOptions::parse(text).unwrap();
         let (cell, other) = (options.tables.tenants["cell"].quotas(&options.quotas), &options.quotas);
         assert_eq!((cell.tenant_queued, cell.tenant_cpu_s, cell.tenant_running), (9, 0, 0));
         assert_eq!((other.tenant_queued, other.tenant_cpu_s), (5, 60));
-        assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);
-        let name = Options::parse("[tenants.A]\nqueued = 9\n").unwrap_err().to_string();
+        assert_eq!(ServerOptions::parse(&options.to_toml()).unwrap(), options);
+        let name = ServerOptions::parse("[tenants.A]\nqueued = 9\n").unwrap_err().to_string();
         assert!(name.contains("'A' is not the name of a tenant") && name.contains("a-z 0-9"), "{name}");
-        let unknown = Options::parse("[tenants.cell]\nqueues = 9\n").unwrap_err().to_string();
+        let unknown = ServerOptions::parse("[tenants.cell]\nqueues = 9\n").unwrap_err().to_string();
         assert!(unknown.contains("queues") && unknown.contains("queued"), "{unknown}");
         for (text, place) in
             [("[webhooks]\naccess = \"a\"\n", "[webhooks]"), ("[tenants.a]\nqueue = 1\n", "[tenants.a]")]
         {
-            let error = Options::parse(text).unwrap_err().to_string();
+            let error = ServerOptions::parse(text).unwrap_err().to_string();
             assert!(error.contains(place) && error.contains("move it above all tables"), "{error}");
         }
         let hook =
-            Options::parse("queue = 3\n[webhooks.mes]\nurl = \"https://mes.example\"\n").unwrap_err().to_string();
+            ServerOptions::parse("queue = 3\n[webhooks.mes]\nurl = \"https://mes.example\"\n").unwrap_err().to_string();
         assert!(hook.contains("[webhooks.mes]") && hook.contains("secret_file"), "{hook}");
     }
 }

@@ -10,18 +10,18 @@ const MOST: u32 = 10;
 
 /// The pace of a kind of line.
 #[derive(Debug)]
-pub(crate) struct Pace(Mutex<State>);
+pub(crate) struct LogRateLimit(Mutex<LogRateState>);
 
 #[derive(Debug)]
-struct State {
+struct LogRateState {
     since: Option<Instant>,
     lines: u32,
     left_out: u64,
 }
 
-impl Pace {
+impl LogRateLimit {
     pub(crate) const fn new() -> Self {
-        Self(Mutex::new(State { since: None, lines: 0, left_out: 0 }))
+        Self(Mutex::new(LogRateState { since: None, lines: 0, left_out: 0 }))
     }
 
     /// The number of lines left out before this one if a line may be written now; otherwise `None`.
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn ten_lines_a_second_pass_and_the_next_says_what_was_left_out() {
-        let pace = Pace::new();
+        let pace = LogRateLimit::new();
         let begin = Instant::now();
         let passed = (0..50).filter(|_| pace.pass_at(begin) == Some(0)).count();
         assert_eq!(passed, 10);

@@ -7,7 +7,7 @@ use prometheus_client::metrics::gauge::Gauge;
 
 /// The gauges.
 #[derive(Debug, Default)]
-pub(crate) struct Process {
+pub(crate) struct ProcessMetrics {
     pub(crate) build: Family<[(&'static str, &'static str); 1], Gauge>,
     pub(crate) resident_bytes: Gauge,
     pub(crate) open_descriptors: Gauge,
@@ -15,7 +15,7 @@ pub(crate) struct Process {
     pub(crate) clock_ahead_s: Gauge,
 }
 
-impl Process {
+impl ProcessMetrics {
     /// The gauges of this build.
     pub(crate) fn new() -> Self {
         let process = Self::default();

@@ -16,7 +16,7 @@ use crate::ledger::record::Priority;
 
 /// Why a job is put into the queue, and with that where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Entry {
+pub(crate) enum EnqueueReason {
     /// It was accepted then: after those of its tenant that are as urgent.
     Accepted(Instant),
     /// It was running when the previous server died: it goes first, and runs alone for this time, or for the rest of
@@ -37,7 +37,7 @@ pub(crate) struct Ticket<'a> {
 }
 
 /// State of the server when the queue decides.
-pub(crate) struct Look<'a> {
+pub(crate) struct SchedulingState<'a> {
     /// Runs that may use a core at the same time.
     pub(crate) slots: usize,
     /// Whether jobs may start now.
@@ -82,11 +82,11 @@ pub(crate) trait Queue: Send + Debug {
     fn others_work(&self, tenant: &str, waits_for_client: &dyn Fn(&str) -> bool) -> bool;
 
     /// Lets a job wait.
-    fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
+    fn push(&mut self, ticket: Ticket<'_>, entry: EnqueueReason);
 
     /// Divides the slots among the tenants: suspends and resumes runs, and takes the next job that starts. To be called
     /// until it returns none.
-    fn next(&mut self, look: &Look<'_>) -> Option<String>;
+    fn next(&mut self, look: &SchedulingState<'_>) -> Option<String>;
 
     /// A run is over: its job gives its worker free before its end is stored, unless too many do that already.
     fn store(&mut self, id: &str, now: Instant);

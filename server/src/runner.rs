@@ -5,24 +5,24 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::{Control, Stop};
-use counterpoint_kernel::files::Files;
-use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::control::{JobControl, StopSignal};
+use counterpoint_kernel::files::JobFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, RunEnd, Spec};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_kernel::plans::Plans;
 
 /// Components of a job, resolved.
 #[derive(Debug)]
-pub struct Task {
+pub struct ResolvedJob {
     /// The checked machine.
     pub machine: Arc<Machine>,
     /// Programs, left to right.
-    pub programs: Vec<Program>,
+    pub programs: Vec<ProgramSelection>,
     /// Options.
-    pub options: Options,
+    pub options: JobOptions,
 }
 
 /// Prepares jobs.
@@ -31,26 +31,36 @@ pub trait Runner: Send + Sync + 'static {
     ///
     /// # Errors
     /// Every reason why the job cannot run; when `stop` was requested, that it was.
-    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>>;
+    fn prepare(
+        &self,
+        task: ResolvedJob,
+        files: &dyn JobFiles,
+        stop: &StopSignal,
+    ) -> Result<Box<dyn PreparedJob>, Vec<Finding>>;
 }
 
 /// A job ready to run.
-pub trait Prepared: Send {
+pub trait PreparedJob: Send {
     /// Its fixed facts.
     fn info(&self) -> &Arc<Info>;
 
     /// Runs it to its end. The stack of the thread has [`counterpoint_kernel::job::STACK`] bytes.
-    fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome;
+    fn run(&self, files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd;
 }
 
 /// Runs jobs on the control emulator.
 #[derive(Debug, Default)]
-pub struct Kernel {
+pub struct KernelRunner {
     plans: Arc<Plans>,
 }
 
-impl Runner for Kernel {
-    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+impl Runner for KernelRunner {
+    fn prepare(
+        &self,
+        task: ResolvedJob,
+        files: &dyn JobFiles,
+        stop: &StopSignal,
+    ) -> Result<Box<dyn PreparedJob>, Vec<Finding>> {
         let spec = Spec { machine: task.machine, programs: task.programs, options: task.options };
         match Job::prepare_until(spec, files, stop) {
             Ok(job) => Ok(Box::new(job.sharing(&self.plans))),
@@ -59,12 +69,12 @@ impl Runner for Kernel {
     }
 }
 
-impl Prepared for Job {
+impl PreparedJob for Job {
     fn info(&self) -> &Arc<Info> {
         Job::info(self)
     }
 
-    fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    fn run(&self, files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd {
         Job::run_here(self, files, control, sink)
     }
 }

@@ -22,16 +22,16 @@ use tonic::codec::CompressionEncoding;
 use tonic::service::Routes;
 use tonic_health::server::HealthReporter;
 
-use crate::jobs::{Core, Seen};
+use crate::jobs::{Core, Telemetry};
 use crate::local;
 use crate::local::disk::Disk;
 use crate::metrics::Metrics;
 use crate::net::{self, Gate};
-use crate::options::{Options, Tenant};
+use crate::options::{ServerOptions, Tenant};
 use crate::reason::Refusal;
 use crate::rpc;
-use crate::runner::{Kernel, Runner};
-use crate::spans::Spans;
+use crate::runner::{KernelRunner, Runner};
+use crate::spans::JobSpans;
 use crate::webhooks::Webhooks;
 
 /// Largest message in either direction, bytes; of a compressed one, as it is without compression.
@@ -96,12 +96,12 @@ pub struct Service {
     monitor: Option<TcpListener>,
     listener: TcpListener,
     address: SocketAddr,
-    stop: tokio::sync::watch::Sender<Stop>,
+    stop: tokio::sync::watch::Sender<ShutdownRequest>,
 }
 
 /// Request to a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Stop {
+enum ShutdownRequest {
     No,
     Drain,
     Now,
@@ -114,7 +114,7 @@ pub struct Handle {
     metrics: Option<SocketAddr>,
     gate: Arc<Gate>,
     core: std::sync::Weak<Core>,
-    stop: tokio::sync::watch::Sender<Stop>,
+    stop: tokio::sync::watch::Sender<ShutdownRequest>,
 }
 
 impl Handle {
@@ -176,12 +176,14 @@ impl Handle {
 
     /// Resolves when the server was asked to stop, by any source.
     pub async fn stopping(&self) {
-        reaches(&self.stop, Stop::Drain).await;
+        reaches(&self.stop, ShutdownRequest::Drain).await;
     }
 
     /// Asks the server to drain; a second call asks it to stop at once.
     pub fn stop(&self) {
-        self.stop.send_modify(|stop| *stop = if *stop == Stop::No { Stop::Drain } else { Stop::Now });
+        self.stop.send_modify(|stop| {
+            *stop = if *stop == ShutdownRequest::No { ShutdownRequest::Drain } else { ShutdownRequest::Now }
+        });
     }
 }
 
@@ -189,15 +191,15 @@ impl Handle {
 ///
 /// # Errors
 /// When the address or the data folder cannot be used.
-pub async fn build(options: Options) -> Result<Service, Error> {
-    build_with(options, Kernel::default()).await
+pub async fn build(options: ServerOptions) -> Result<Service, Error> {
+    build_with(options, KernelRunner::default()).await
 }
 
 /// Builds a server that runs jobs with `runner`.
 ///
 /// # Errors
 /// When the address or the data folder cannot be used.
-pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service, Error> {
+pub async fn build_with(options: ServerOptions, runner: impl Runner) -> Result<Service, Error> {
     build_on(options, runner, Disk::default()).await
 }
 
@@ -205,10 +207,10 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
 ///
 /// # Errors
 /// When the address or the data folder cannot be used.
-pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
+pub async fn build_on(options: ServerOptions, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
     let metrics = Arc::new(Metrics::new());
     let gate = Arc::new(Gate::open(&options, metrics.clone()).map_err(Error::Guard)?);
-    let spans = Spans::to(&options.connections.otlp).map_err(Error::Spans)?;
+    let spans = JobSpans::to(&options.connections.otlp).map_err(Error::Spans)?;
     let webhooks =
         Webhooks::start(&options.tables.webhooks, options.guard.insecure, &metrics).map_err(Error::Webhooks)?;
     let address = options.listen;
@@ -227,13 +229,13 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
         let seams = local::open(&options, disk, &metrics)?;
-        let core = Core::new(options, Box::new(runner), seams, Seen { metrics, spans, webhooks })?;
+        let core = Core::new(options, Box::new(runner), seams, Telemetry { metrics, spans, webhooks })?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
     let core = opened.await.map_err(|e| data(e.to_string()))?.map_err(|e| data(e.to_string()))?;
     gate.mind(&core);
-    Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
+    Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(ShutdownRequest::No) })
 }
 
 /// A service with bounds on its messages, and gzip for clients that use it.
@@ -278,14 +280,14 @@ impl Service {
         let counts = gate.clone();
         let mut routes = Routes::builder();
         let asked = stop.clone();
-        let admin = rpc::Admin { core: core.clone(), stop: Box::new(move || begin(&asked)) };
+        let admin = rpc::AdminService { core: core.clone(), stop: Box::new(move || begin(&asked)) };
         routes
             .add_service(health_service.max_decoding_message_size(net::MAX_OF_HEALTH))
-            .add_service(served!(JobsServer::new(rpc::Jobs(core.clone()))))
-            .add_service(served!(BlobsServer::new(rpc::Blobs(core.clone()))))
-            .add_service(served!(MachinesServer::new(rpc::Machines(core.clone()))))
-            .add_service(served!(ResultsServer::new(rpc::Results(core.clone()))))
-            .add_service(served!(OperatorServer::new(rpc::Operator(core.clone()))))
+            .add_service(served!(JobsServer::new(rpc::JobsService(core.clone()))))
+            .add_service(served!(BlobsServer::new(rpc::BlobsService(core.clone()))))
+            .add_service(served!(MachinesServer::new(rpc::MachinesService(core.clone()))))
+            .add_service(served!(ResultsServer::new(rpc::ResultsService(core.clone()))))
+            .add_service(served!(OperatorServer::new(rpc::OperatorService(core.clone()))))
             .add_service(served!(AdminServer::new(admin)));
         if core.options.guard.reflection {
             let builder = || {
@@ -305,7 +307,7 @@ impl Service {
         tokio::select! {
             () = &mut server => return Ok(()),
             () = shutdown => begin(&asked),
-            () = reaches(&stop, Stop::Drain) => {}
+            () = reaches(&stop, ShutdownRequest::Drain) => {}
         }
         tracing::info!("draining");
         let drained = async {
@@ -322,7 +324,7 @@ impl Service {
         };
         tokio::select! {
             () = closing => {}
-            () = async { reaches(&stop, Stop::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
+            () = async { reaches(&stop, ShutdownRequest::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
         }
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
         let _ = tokio::task::spawn_blocking(move || {
@@ -340,23 +342,23 @@ impl Service {
 }
 
 /// Asks for the drain, unless more was requested.
-fn begin(stop: &tokio::sync::watch::Sender<Stop>) {
-    stop.send_modify(|stop| *stop = (*stop).max(Stop::Drain));
+fn begin(stop: &tokio::sync::watch::Sender<ShutdownRequest>) {
+    stop.send_modify(|stop| *stop = (*stop).max(ShutdownRequest::Drain));
 }
 
-async fn reaches(stop: &tokio::sync::watch::Sender<Stop>, level: Stop) {
+async fn reaches(stop: &tokio::sync::watch::Sender<ShutdownRequest>, level: ShutdownRequest) {
     let _ = stop.subscribe().wait_for(|stop| *stop >= level).await;
 }
 
 /// Lets running jobs end within the grace time, then interrupts them.
-async fn drain(core: &Core, stop: &tokio::sync::watch::Sender<Stop>) {
+async fn drain(core: &Core, stop: &tokio::sync::watch::Sender<ShutdownRequest>) {
     core.drain.begin();
     let mut running = core.running();
     let grace = Duration::from_secs(core.options.grace_s);
     tokio::select! {
         _ = running.wait_for(|running| *running == 0) => return,
         () = tokio::time::sleep(grace) => {}
-        () = reaches(stop, Stop::Now) => {}
+        () = reaches(stop, ShutdownRequest::Now) => {}
     }
     core.interrupt();
     let _ = tokio::time::timeout(CLOSING, running.wait_for(|running| *running == 0)).await;
@@ -379,20 +381,20 @@ async fn report(health: HealthReporter, core: Arc<Core>) {
 
 async fn serving(health: &HealthReporter) {
     health.set_service_status("", tonic_health::ServingStatus::Serving).await;
-    health.set_serving::<JobsServer<rpc::Jobs>>().await;
-    health.set_serving::<BlobsServer<rpc::Blobs>>().await;
-    health.set_serving::<MachinesServer<rpc::Machines>>().await;
-    health.set_serving::<ResultsServer<rpc::Results>>().await;
-    health.set_serving::<OperatorServer<rpc::Operator>>().await;
-    health.set_serving::<AdminServer<rpc::Admin>>().await;
+    health.set_serving::<JobsServer<rpc::JobsService>>().await;
+    health.set_serving::<BlobsServer<rpc::BlobsService>>().await;
+    health.set_serving::<MachinesServer<rpc::MachinesService>>().await;
+    health.set_serving::<ResultsServer<rpc::ResultsService>>().await;
+    health.set_serving::<OperatorServer<rpc::OperatorService>>().await;
+    health.set_serving::<AdminServer<rpc::AdminService>>().await;
 }
 
 async fn not_serving(health: &HealthReporter) {
     health.set_service_status("", tonic_health::ServingStatus::NotServing).await;
-    health.set_not_serving::<JobsServer<rpc::Jobs>>().await;
-    health.set_not_serving::<BlobsServer<rpc::Blobs>>().await;
-    health.set_not_serving::<MachinesServer<rpc::Machines>>().await;
-    health.set_not_serving::<ResultsServer<rpc::Results>>().await;
-    health.set_not_serving::<OperatorServer<rpc::Operator>>().await;
-    health.set_not_serving::<AdminServer<rpc::Admin>>().await;
+    health.set_not_serving::<JobsServer<rpc::JobsService>>().await;
+    health.set_not_serving::<BlobsServer<rpc::BlobsService>>().await;
+    health.set_not_serving::<MachinesServer<rpc::MachinesService>>().await;
+    health.set_not_serving::<ResultsServer<rpc::ResultsService>>().await;
+    health.set_not_serving::<OperatorServer<rpc::OperatorService>>().await;
+    health.set_not_serving::<AdminServer<rpc::AdminService>>().await;
 }

@@ -7,7 +7,7 @@ use sha2::{Digest as _, Sha256};
 
 /// Where a job belongs in a trace.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Context {
+pub(crate) struct TraceContext {
     /// The trace, 32 lower-case hexadecimal digits.
     pub(crate) trace: String,
     /// The span of the job, 16 lower-case hexadecimal digits.
@@ -20,7 +20,7 @@ pub(crate) struct Context {
     pub(crate) sampled: bool,
 }
 
-impl Context {
+impl TraceContext {
     /// The context of a job whose client sent this `traceparent`. If it is absent or invalid, a new trace starts.
     pub(crate) fn of(job: &str, traceparent: &str) -> Self {
         let own = format!("{:x}", Sha256::digest(job));
@@ -56,14 +56,17 @@ mod tests {
     #[test]
     fn the_trace_of_the_client_is_continued() {
         let sent = format!("00-{TRACE}-{SPAN}-01");
-        let context = Context::of("job", &sent);
+        let context = TraceContext::of("job", &sent);
         assert_eq!((context.trace.as_str(), context.parent.as_str()), (TRACE, SPAN));
-        assert_eq!(context, Context::of("job", &sent), "every run has the same span");
-        assert_ne!(context.span, Context::of("other", &sent).span);
-        let own = Context::of("job", "");
+        assert_eq!(context, TraceContext::of("job", &sent), "every run has the same span");
+        assert_ne!(context.span, TraceContext::of("other", &sent).span);
+        let own = TraceContext::of("job", "");
         assert_eq!((own.trace.len(), own.span.len(), own.parent.as_str()), (32, 16, ""));
         assert!(own.run.len() == 16 && own.run != own.span && own.sampled && context.sampled);
-        assert!(!Context::of("job", &format!("00-{TRACE}-{SPAN}-02")).sampled, "the client does not record its trace");
+        assert!(
+            !TraceContext::of("job", &format!("00-{TRACE}-{SPAN}-02")).sampled,
+            "the client does not record its trace"
+        );
         assert_eq!(own.span, context.span);
     }
 

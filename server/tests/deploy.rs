@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use serde_json::{Value, json};
 
 fn root() -> PathBuf {
@@ -132,7 +132,7 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
     let value = |name: &str| values.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str());
     assert_eq!((value("Type"), value("NotifyAccess")), (Some("notify"), Some("main")));
     let seconds = |name: &str| value(name).unwrap().parse::<u64>().unwrap();
-    assert!(seconds("TimeoutStopSec") > Options::default().grace_s, "a stop gets longer than running jobs do");
+    assert!(seconds("TimeoutStopSec") > ServerOptions::default().grace_s, "a stop gets longer than running jobs do");
     assert!(seconds("WatchdogSec") >= 30);
     assert_eq!(value("RestartPreventExitStatus"), Some("2"), "a mistake in the configuration ends the restarts");
     let limit = seconds("StartLimitBurst") * (seconds("RestartSec") + 1);
@@ -140,7 +140,7 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
     assert_eq!((value("User"), value("Group")), (Some("counterpoint"), Some("counterpoint")));
     assert_eq!((value("StateDirectory"), value("LogsDirectory")), (Some("counterpoint"), Some("counterpoint")));
     let docs = read("docs/security.md");
-    let shipped = Options::from_file(&root().join("deploy/debian/counterpointd.toml")).unwrap();
+    let shipped = ServerOptions::from_file(&root().join("deploy/debian/counterpointd.toml")).unwrap();
     assert_eq!(shipped.data, PathBuf::from("/var/lib/counterpoint"));
     for file in ["data = \"/var/lib/counterpoint\"", "audit = \"/var/log/counterpoint/", "-g counterpoint key.pem"] {
         assert!(docs.contains(file), "the documented files are where the unit may use them: {file}");
@@ -176,7 +176,7 @@ fn the_container_file_builds_what_is_there_as_nobody() {
     let configuration = "/etc/counterpoint/counterpointd.toml";
     assert_eq!(of("ENV"), [format!("COUNTERPOINT_CONFIG={configuration}")]);
     assert!(of("COPY").contains(&format!("deploy/container.toml {configuration}").as_str()));
-    let options = Options::from_file(&root().join("deploy/container.toml")).unwrap();
+    let options = ServerOptions::from_file(&root().join("deploy/container.toml")).unwrap();
     assert_eq!(options.data.to_str(), Some(of("VOLUME")[0]));
     for port in [options.listen.port().to_string(), options.connections.metrics.rsplit(':').next().unwrap().to_owned()]
     {
@@ -308,12 +308,12 @@ fn chart(change: impl FnOnce(&mut Value)) -> Vec<(String, Value)> {
 }
 
 /// The options of the server in a rendered part, read as the server reads them.
-fn options(config: &Value) -> Options {
+fn options(config: &Value) -> ServerOptions {
     let text = config["data"]["counterpointd.toml"].as_str().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("counterpointd.toml");
     std::fs::write(&file, text).unwrap();
-    Options::from_file(&file).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    ServerOptions::from_file(&file).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// A map in `config` is a table of the file, and single options precede all tables.

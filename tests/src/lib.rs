@@ -7,16 +7,16 @@ pub mod watchdog;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec, WrittenFiles};
-use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, PrepareError, ProgramSelection, RunEnd, Spec, WrittenFiles};
+use counterpoint_kernel::log::builder::{JobResults, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 
 /// A job with everything it needs.
 #[derive(Debug, Clone)]
@@ -24,11 +24,11 @@ pub struct Work {
     /// The machine.
     pub machine: Arc<Machine>,
     /// Programs and other files.
-    pub files: Memory,
+    pub files: MemoryFiles,
     /// Programs, left to right.
-    pub programs: Vec<Program>,
+    pub programs: Vec<ProgramSelection>,
     /// Options.
-    pub options: Options,
+    pub options: JobOptions,
 }
 
 /// The output.
@@ -41,7 +41,7 @@ pub struct Done {
     /// Events in log order.
     pub events: Vec<Event>,
     /// Outcome of the run.
-    pub outcome: Outcome,
+    pub outcome: RunEnd,
     /// Files that macros have written.
     pub files: WrittenFiles,
 }
@@ -69,7 +69,7 @@ pub fn machine(name: &str, overlay: &str) -> Arc<Machine> {
 }
 
 fn load_machine(name: &str, overlay: &str) -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     let folder = if overlay.is_empty() {
         name
     } else {
@@ -86,7 +86,7 @@ fn load_machine(name: &str, overlay: &str) -> Arc<Machine> {
 /// # Panics
 /// When a file cannot be read.
 #[must_use]
-pub fn library() -> Memory {
+pub fn library() -> MemoryFiles {
     let mut files = shipped();
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("machines");
     for folder in std::fs::read_dir(root).unwrap().map(|folder| folder.unwrap()) {
@@ -98,13 +98,13 @@ pub fn library() -> Memory {
 
 impl Work {
     /// Programs as texts, one per channel from the left.
-    pub fn texts<T: AsRef<[u8]>>(machine: Arc<Machine>, texts: &[T], options: Options) -> Self {
-        let mut files = Memory::default();
+    pub fn texts<T: AsRef<[u8]>>(machine: Arc<Machine>, texts: &[T], options: JobOptions) -> Self {
+        let mut files = MemoryFiles::default();
         let mut programs = Vec::new();
         for (index, text) in texts.iter().enumerate() {
             let file = format!("p{}.nc", index + 1);
             files.insert(file.clone(), text);
-            programs.push(Program { file, number: None, section: None, channel: None });
+            programs.push(ProgramSelection { file, number: None, section: None, channel: None });
         }
         Self { machine, files, programs, options }
     }
@@ -114,7 +114,7 @@ impl Work {
     /// # Errors
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
-        let with = |control: Control| match jitter {
+        let with = |control: JobControl| match jitter {
             Some(jitter) => control.with_jitter(jitter),
             None => control,
         };
@@ -125,7 +125,7 @@ impl Work {
     ///
     /// # Errors
     /// When the job cannot be prepared.
-    pub fn run_with(&self, with: impl FnOnce(Control) -> Control, watched: bool) -> Result<Done, PrepareError> {
+    pub fn run_with(&self, with: impl FnOnce(JobControl) -> JobControl, watched: bool) -> Result<Done, PrepareError> {
         let (job, control) = self.prepare(None)?;
         let control = with(control);
         let mut sink = Collect { builder: ResultsBuilder::new(job.info()), events: Vec::new(), files: Vec::new() };
@@ -144,7 +144,7 @@ impl Work {
     ///
     /// # Errors
     /// When the job cannot be prepared.
-    pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome, WrittenFiles), PrepareError> {
+    pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(JobResults, RunEnd, WrittenFiles), PrepareError> {
         let (job, control) = self.prepare(jitter)?;
         let mut sink = Fold { builder: ResultsBuilder::new(job.info()), files: Vec::new() };
         let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
@@ -159,12 +159,12 @@ impl Work {
         Arc::clone(self.prepare(None).unwrap_or_else(|error| panic!("{error}")).0.info())
     }
 
-    fn prepare(&self, jitter: Option<fn(u16)>) -> Result<(Job, Control), PrepareError> {
+    fn prepare(&self, jitter: Option<fn(u16)>) -> Result<(Job, JobControl), PrepareError> {
         let mut options = self.options.clone();
         options.threads = processors::forced_threads().unwrap_or(options.threads);
         let spec = Spec { machine: self.machine.clone(), programs: self.programs.clone(), options };
         let job = Job::prepare(spec, &self.files)?;
-        let control = Control::new(self.machine.channels.len());
+        let control = JobControl::new(self.machine.channels.len());
         let control = match jitter {
             Some(jitter) => control.with_jitter(jitter),
             None => control,
@@ -179,7 +179,7 @@ struct Collect {
     files: WrittenFiles,
 }
 
-impl Sink for Collect {
+impl LogSink for Collect {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
     }
@@ -199,7 +199,7 @@ struct Fold {
     files: WrittenFiles,
 }
 
-impl Sink for Fold {
+impl LogSink for Fold {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
     }

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError, channel};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::JobControl;
 
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(100);
@@ -25,7 +25,7 @@ const IDLE_TICKS: u64 = 10;
 ///
 /// # Panics
 /// When the job panics. A hung job ends the process.
-pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
+pub fn watched<R>(control: &JobControl, job: impl FnOnce() -> R) -> R {
     let (done, ended) = channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
@@ -58,7 +58,7 @@ pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
 ///
 /// # Panics
 /// As [`watched`].
-pub fn beside<R>(control: &Control, job: impl FnOnce() -> R) -> R {
+pub fn beside<R>(control: &JobControl, job: impl FnOnce() -> R) -> R {
     let (done, ended) = channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
@@ -74,8 +74,8 @@ pub fn beside<R>(control: &Control, job: impl FnOnce() -> R) -> R {
 }
 
 /// State, block count, line and time of every channel.
-fn places(control: &Control) -> Vec<(String, u64, u32, i64)> {
-    let place = |p: &counterpoint_kernel::control::Progress| {
+fn places(control: &JobControl) -> Vec<(String, u64, u32, i64)> {
+    let place = |p: &counterpoint_kernel::control::ChannelProgress| {
         let state = match p.waiting_for() {
             Some(wait) => format!("waits at {}", wait.key),
             None => format!("{:?}", p.state()),

@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 
 use counterpoint_kernel::log::event::{Dwell, Kind};
-use counterpoint_kernel::log::summary::{ChannelState, State};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::{ChannelState, JobOutcome};
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 
 /// An alarm: as the control shows it, the number of its diagnostic, machine, rows over it, program (the alarm comes in
@@ -251,7 +251,7 @@ fn fault(case: &Case) -> Option<String> {
     let mut texts = vec![blocks];
     let machine = machine(on, rows);
     texts.extend((1..machine.channels.len()).map(|_| "M30\n".to_owned()));
-    let work = Work::texts(machine, &texts, Options::default());
+    let work = Work::texts(machine, &texts, JobOptions::default());
     let done = work.run(None).expect("the job can be prepared");
     let (results, ..) = work.results(None).expect("the job can be prepared");
     let mut wrong = String::new();
@@ -259,7 +259,7 @@ fn fault(case: &Case) -> Option<String> {
         wrong.push_str(" results without a log differ;");
     }
     let state = done.summary.channels[0].state;
-    if done.summary.state != State::Failed || state != ChannelState::Alarmed {
+    if done.summary.state != JobOutcome::Failed || state != ChannelState::Alarmed {
         let _ = write!(wrong, " ends {:?}, its channel {state:?};", done.summary.state);
     }
     let raised = done.summary.diagnostics.iter().find(|one| one.number == number && one.severity >= 8);

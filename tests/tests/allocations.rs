@@ -6,12 +6,12 @@
 
 use std::alloc::System;
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::machine;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -82,7 +82,7 @@ const LOOPS: [(&str, &str, &str, &str, f64); 11] = [
 /// Makes results, keeps no log.
 struct Results(ResultsBuilder);
 
-impl Sink for Results {
+impl LogSink for Results {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.0)
     }
@@ -98,15 +98,15 @@ impl Sink for Results {
 
 /// Allocations of a run with this many passes.
 fn allocations(machine_name: &str, overlay: &str, file: &str, program: &str, passes: usize) -> usize {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert(file, program.replace("{n}", &passes.to_string()));
     files.insert("sub.spf", "R2=R1\nRET\n");
-    let programs = vec![Program { file: file.to_owned(), number: None, section: None, channel: None }];
-    let options = Options { threads: 1, ..Options::default() };
+    let programs = vec![ProgramSelection { file: file.to_owned(), number: None, section: None, channel: None }];
+    let options = JobOptions { threads: 1, ..JobOptions::default() };
     let spec = Spec { machine: machine(machine_name, overlay), programs, options };
     let job = Job::prepare(spec, &files).unwrap();
     // Without a watchdog, which allocates by the clock.
-    let (control, mut sink) = (Control::new(1), Results(ResultsBuilder::new(job.info())));
+    let (control, mut sink) = (JobControl::new(1), Results(ResultsBuilder::new(job.info())));
     let region = Region::new(ALLOCATOR);
     let outcome = job.run(&files, &control, &mut sink);
     let allocations = region.change().allocations;

@@ -5,8 +5,8 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::summary::State;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::JobOutcome;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -30,9 +30,9 @@ fn program(sections: &[(usize, u32)]) -> String {
 fn run_all_ways(texts: &[String]) {
     let mut digests = Vec::new();
     for threads in [1, 0, 2] {
-        let options = Options { threads, ..Options::default() };
+        let options = JobOptions { threads, ..JobOptions::default() };
         let done = Work::texts(machine("fanuc-2path-lathe", ""), texts, options).run(None).expect("a job");
-        assert_eq!(done.summary.state, State::Succeeded, "{:?}", done.summary.diagnostics);
+        assert_eq!(done.summary.state, JobOutcome::Succeeded, "{:?}", done.summary.diagnostics);
         digests.push(done.summary.log_digest);
     }
     digests.dedup();

@@ -2,7 +2,7 @@
 //! no gap, and scheduling changes nothing.
 
 use counterpoint_kernel::log::event::{Event, Kind};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
@@ -18,9 +18,9 @@ radius = 0.5
 tip = 9
 ";
 
-fn options(threads: u16) -> Options {
-    let limits = Limits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..Limits::default() };
-    Options { limits, threads, ..Options::default() }
+fn options(threads: u16) -> JobOptions {
+    let limits = JobLimits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..JobLimits::default() };
+    JobOptions { limits, threads, ..JobOptions::default() }
 }
 
 fn blocks(mill: bool) -> impl Strategy<Value = String> {

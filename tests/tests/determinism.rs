@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::time::Duration;
 
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Done, Work, cases, machine, processors};
 
 thread_local! {
@@ -63,7 +63,7 @@ fn busy() -> Work {
     let texts: Vec<String> = (1..=3)
         .map(|own| if own == 1 { format!("{preset}M110P123\n{}", path(1)) } else { format!("M110P123\n{}", path(own)) })
         .collect();
-    Work::texts(machine("fanuc-3path-lathe-exact", ""), &texts, Options::default())
+    Work::texts(machine("fanuc-3path-lathe-exact", ""), &texts, JobOptions::default())
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn two_kernels_that_meet_often_give_one_log() {
         }
         text + "M30\n"
     };
-    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &[path(1), path(2)], Options::default());
+    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &[path(1), path(2)], JobOptions::default());
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert_eq!((oracle.summary.waits.len(), &oracle.summary.verdict), (300, &None), "{:#?}", oracle.summary.verdict);
@@ -188,7 +188,7 @@ fn far_ahead(before: &str, idle_before: &str) {
     let ahead: String = (0..12_000).map(|n| format!("G1 X{}. Z-{}.\n", 20 + n % 7, n % 11)).collect();
     let idle = "G40\n".repeat(6_000);
     let texts = [format!("O1\nG98 F100.\n{before}{ahead}M30\n"), format!("O2\n{idle_before}{idle}M30\n")];
-    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &texts, Options::default());
+    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &texts, JobOptions::default());
     work.options.limits.zero_time_blocks = 5_000;
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
@@ -252,7 +252,7 @@ fn random_programs_with_marks_and_starts_give_one_log() {
     for case in 1..=u64::from(cases(300)) {
         let mut seed = case.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
         let texts: Vec<String> = (1..4).map(|own| marks(own, 4, &mut seed)).collect();
-        let mut work = Work::texts(machine.clone(), &texts, Options::default());
+        let mut work = Work::texts(machine.clone(), &texts, JobOptions::default());
         work.files.insert("side.mpf", "G4 F2\nWAITM(1,1)\nSETM(0)\nM30\n");
         work.options.threads = 1;
         let oracle = work.run(None).unwrap();

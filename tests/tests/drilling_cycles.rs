@@ -5,11 +5,11 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::log::summary::State;
+use counterpoint_kernel::log::summary::JobOutcome;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{Options, TimeModel};
+use counterpoint_kernel::options::{JobOptions, TimeModel};
 use counterpoint_tests::{Work, machine};
 
 /// Cycles of a control as programs, with the programs that they call: paths in the machine, and texts.
@@ -30,7 +30,7 @@ const HEIDENHAIN: Programs = programs!("heidenhain-drilling", "heidenhain-millin
 
 /// A machine with the programs as files of the user.
 fn with_programs(name: &str, programs: Programs) -> Arc<Machine> {
-    let mut own = Memory::default();
+    let mut own = MemoryFiles::default();
     for (path, text) in programs {
         own.insert(*path, text);
     }
@@ -38,13 +38,13 @@ fn with_programs(name: &str, programs: Programs) -> Arc<Machine> {
 }
 
 /// State of the job, and numbers of the alarms that a cycle raises.
-type End = (State, Vec<String>);
+type End = (JobOutcome, Vec<String>);
 
 /// Runs a program; returns the events that must be the same, and the end. Blocks, calls and returns differ: a generated
 /// cycle is one block of the program, not a program of many blocks.
 fn run(machine: &Arc<Machine>, text: &str) -> (Vec<(i64, Kind)>, End) {
     // The path stops where it has too many blocks without moves, of which a program has more.
-    let options = Options { time: TimeModel::Simple, ..Options::default() };
+    let options = JobOptions { time: TimeModel::Simple, ..JobOptions::default() };
     let done = Work::texts(Arc::clone(machine), &[text], options).run(None).expect("a job");
     let is_kept = |kind: &Kind| {
         !matches!(kind, Kind::Block(_) | Kind::Call(_) | Kind::Return(_) | Kind::Diagnostic(_) | Kind::Verdict(_))
@@ -257,7 +257,7 @@ fn compare(name: &str, programs: Programs, counts: [u32; 2], program: fn(&mut fa
         let ((events, end), (expected, expected_end)) = (run(&own, &text), run(&as_programs, &text));
         assert_eq!(end, expected_end, "seed {seed}\n{text}");
         // A generated cycle checks its arguments before the first move; a program checks some arguments after it.
-        let succeeded = end.0 == State::Succeeded;
+        let succeeded = end.0 == JobOutcome::Succeeded;
         if succeeded {
             for (event, expected) in events.iter().zip(&expected) {
                 assert_eq!(event, expected, "seed {seed}\n{text}");
@@ -283,7 +283,7 @@ fn a_hole_of_heidenhain_has_the_moves_that_its_cycle_makes_as_a_program() {
 #[test]
 fn an_alarm_of_a_cycle_names_the_cycle_and_the_block_that_calls() {
     let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nMCALL CYCLE81(10,0,2)\nX5\nM30";
-    let work = Work::texts(machine("siemens-mill", ""), &[text], Options::default());
+    let work = Work::texts(machine("siemens-mill", ""), &[text], JobOptions::default());
     let (results, ..) = work.results(None).expect("a job");
     let found = results.summary.diagnostics.iter().find(|found| found.text.contains("61101")).expect("the alarm");
     assert_eq!((found.line, found.block.as_str()), (5, "X5"), "{found:?}");
@@ -291,8 +291,8 @@ fn an_alarm_of_a_cycle_names_the_cycle_and_the_block_that_calls() {
 }
 
 /// Diagnostics by name, with the state of the job.
-fn diagnostics(name: &str, text: &str) -> (State, Vec<(String, u32, String)>) {
-    let (results, ..) = Work::texts(machine(name, ""), &[text], Options::default()).results(None).expect("a job");
+fn diagnostics(name: &str, text: &str) -> (JobOutcome, Vec<(String, u32, String)>) {
+    let (results, ..) = Work::texts(machine(name, ""), &[text], JobOptions::default()).results(None).expect("a job");
     let found = results.summary.diagnostics.iter();
     (results.summary.state, found.map(|found| (found.name.clone(), found.line, found.text.clone())).collect())
 }
@@ -326,11 +326,11 @@ fn a_way_off_the_wall_along_an_axis_that_the_lathe_does_not_have_is_an_alarm() {
     };
     let (state, found) = diagnostics("siemens-lathe", &text("1"));
     assert!(
-        state == State::Failed && found.iter().any(|(_, line, text)| *line == 5 && text.contains("12550")),
+        state == JobOutcome::Failed && found.iter().any(|(_, line, text)| *line == 5 && text.contains("12550")),
         "{found:?}"
     );
     let (state, found) = diagnostics("siemens-lathe", &text("0"));
-    assert_eq!(state, State::Succeeded, "{found:?}");
+    assert_eq!(state, JobOutcome::Succeeded, "{found:?}");
 }
 
 #[test]
@@ -338,10 +338,10 @@ fn a_corner_before_a_hole_never_moves_the_hole() {
     for cycle in ["CYCLE81(10,0,2,-20)", "CYCLE83(10,0,2,-20,,-5,,1,,,,1)", "CYCLE85(10,0,2,-20)"] {
         let text = format!("G90 G17\nT1 D1 M6\nS1000 M3 F100\nG0 X0 Y0 Z20\nG1 X10 Y0 Z20 RND=2\n{cycle}\nG1 Y20\nM30");
         let (state, found) = diagnostics("siemens-mill", &text);
-        assert_eq!(state, State::Failed, "{cycle}: {found:?}");
+        assert_eq!(state, JobOutcome::Failed, "{cycle}: {found:?}");
         let modal = text.replace("RND=", "RNDM=");
         let (events, (state, _)) = run(&machine("siemens-mill", ""), &modal);
-        assert_eq!(state, State::Succeeded, "{cycle}");
+        assert_eq!(state, JobOutcome::Succeeded, "{cycle}");
         let to_the_bottom = |kind: &Kind| match kind {
             Kind::Motion(motion) if motion.to[2] <= -20.0 && motion.from[2] > motion.to[2] => {
                 Some((motion.to[0], motion.to[1]))
@@ -356,7 +356,7 @@ fn a_corner_before_a_hole_never_moves_the_hole() {
 #[test]
 fn a_dwell_in_revolutions_behind_g63_dwells() {
     let text = "G90 G17\nT1 D1 M6\nS1000 M3 F100\nG0 Z50\nG63 Z40\nG4 S3\nM30";
-    let done = Work::texts(machine("siemens-mill", ""), &[text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(machine("siemens-mill", ""), &[text], JobOptions::default()).run(None).expect("a job");
     let dwells: Vec<_> = done.events.iter().filter(|event| matches!(event.kind, Kind::Dwell(_))).collect();
     assert_eq!(dwells.iter().map(|event| event.dur_ns).collect::<Vec<_>>(), [180_000_000], "{:?}", done.summary);
 }
@@ -368,7 +368,7 @@ fn the_moves_of_a_hole_are_the_same_with_and_without_a_trace() {
     for _ in 0..120 {
         for (name, text) in [("siemens-mill", program(&mut random)), ("heidenhain-mill", conversational(&mut random))] {
             let events = |trace: &str| {
-                let options = Options { trace: trace.to_owned(), ..Options::default() };
+                let options = JobOptions { trace: trace.to_owned(), ..JobOptions::default() };
                 let done = Work::texts(machine(name, ""), &[text.as_str()], options).run(None).expect("a job");
                 let events = done.events.into_iter().filter(|event| !matches!(event.kind, Kind::Trace(_)));
                 let events = events.map(|event| (event.t_ns, event.dur_ns, event.line, event.kind)).collect::<Vec<_>>();

@@ -1,20 +1,20 @@
 //! Effects of single blocks, by the reference or the real control.
 
-use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, MotionKind};
-use counterpoint_kernel::options::{Options, TimeModel};
+use counterpoint_kernel::job::ProgramSelection;
+use counterpoint_kernel::log::event::{Event, FrameShift, Kind, MotionKind, OperatorMessage};
+use counterpoint_kernel::options::{JobOptions, TimeModel};
 use counterpoint_tests::{Done, Work, machine, processors};
 
-fn run_on(name: &str, overlay: &str, text: &str, options: Options) -> Done {
+fn run_on(name: &str, overlay: &str, text: &str, options: JobOptions) -> Done {
     Work::texts(machine(name, overlay), &[text], options).run(None).expect("the job can be prepared")
 }
 
 fn lathe(text: &str) -> Done {
-    run_on("fanuc-2path-lathe-exact", "", text, Options::default())
+    run_on("fanuc-2path-lathe-exact", "", text, JobOptions::default())
 }
 
 fn mill(text: &str) -> Done {
-    run_on("fanuc-mill-exact", "", text, Options::default())
+    run_on("fanuc-mill-exact", "", text, JobOptions::default())
 }
 
 /// Kind, end by axis and duration in seconds of every motion.
@@ -46,7 +46,7 @@ fn close(found: f64, expected: f64) {
 fn optional_skip_by_level() {
     let text = "/G4P1000\nG4P2000\n/2G4P500\n/3G4P100\nM30\n";
     for (levels, expected) in [(vec![], 3.6), (vec![1], 2.6), (vec![2], 3.1), (vec![1, 2, 3], 2.0)] {
-        let options = Options { opskip: levels, ..Options::default() };
+        let options = JobOptions { opskip: levels, ..JobOptions::default() };
         close(seconds(&run_on("fanuc-2path-lathe-exact", "", text, options)), expected);
     }
 }
@@ -54,7 +54,7 @@ fn optional_skip_by_level() {
 #[test]
 fn a_skip_mark_inside_a_block_cuts_its_rest() {
     let text = "G98 F600.\nG0 X0. Z0.\nG1 Z-10. /2 X20.\nM30\n";
-    let on = Options { opskip: vec![2], ..Options::default() };
+    let on = JobOptions { opskip: vec![2], ..JobOptions::default() };
     assert_eq!(ends(&run_on("fanuc-2path-lathe-exact", "", text, on)).last(), Some(&[0.0, -10.0, 0.0]));
     assert_eq!(ends(&lathe(text)).last(), Some(&[20.0, -10.0, 0.0]));
 }
@@ -146,13 +146,13 @@ fn home_moves_via_the_programmed_point() {
 fn presets_and_work_offsets_move_the_frame_not_the_machine() {
     let offsets = "[[work_offsets]]\nnumber = 2\nvalues = { X = 100.0 }\n";
     let done =
-        run_on("fanuc-mill-exact", offsets, "G0 X10. Y0. Z0.\nG55 X10.\nG92 X0.\nX5.\nM30\n", Options::default());
+        run_on("fanuc-mill-exact", offsets, "G0 X10. Y0. Z0.\nG55 X10.\nG92 X0.\nX5.\nM30\n", JobOptions::default());
     let machine_x: Vec<f64> = {
         let mut shift = 0.0;
         let mut out = Vec::new();
         for event in &done.events {
             match &event.kind {
-                Kind::Frame(Frame { shift: s }) => shift = s[0],
+                Kind::Frame(FrameShift { shift: s }) => shift = s[0],
                 Kind::Motion(m) => out.push(m.to[0] + shift),
                 _ => {}
             }
@@ -184,7 +184,7 @@ fn return_to_a_sequence_number() {
 #[test]
 fn subprogram_files_beside_the_program() {
     let mut work =
-        Work::texts(machine("fanuc-2path-lathe-exact", ""), &["M98 P1234\nM98 P7\nM30\n"], Options::default());
+        Work::texts(machine("fanuc-2path-lathe-exact", ""), &["M98 P1234\nM98 P7\nM30\n"], JobOptions::default());
     work.files.insert("O1234.nc", "G4P100\nM99\n");
     work.files.insert("p1_7.tps", "G4P10\nM99\n");
     close(seconds(&work.run(None).unwrap()), 0.11);
@@ -206,8 +206,12 @@ fn branches_of_the_macro_language() {
 #[test]
 fn times_of_the_machine_table() {
     let overlay = "[time]\ntool_change = 2.0\ntool_step = 0.5\nstations = 12\n\n[time.m_codes]\n3 = 1.5\n70 = 0.25\n";
-    let done =
-        run_on("fanuc-2path-lathe-exact", overlay, "T0101\nT0404\nT0404\nG97 S500 M3\nM70\nM30\n", Options::default());
+    let done = run_on(
+        "fanuc-2path-lathe-exact",
+        overlay,
+        "T0101\nT0404\nT0404\nG97 S500 M3\nM70\nM30\n",
+        JobOptions::default(),
+    );
     // The machine has no tool offsets.
     assert_eq!(numbers(&done), [2900024]);
     close(seconds(&done), 2.0 + (2.0 + 3.0 * 0.5) + 1.5 + 0.25);
@@ -220,7 +224,7 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
     // plain one takes 1.0 s, and the one with exact stop does both.
     let text = "G98 F6000.\nG0 Z400.\nG1 Z300.\nG9 G1 Z200.\nM30\n";
     for (time, expected) in [(TimeModel::Full, [1.1, 1.05, 1.05]), (TimeModel::Simple, [1.1, 1.0, 1.1])] {
-        let done = run_on("fanuc-2path-lathe-exact", overlay, text, Options { time, ..Options::default() });
+        let done = run_on("fanuc-2path-lathe-exact", overlay, text, JobOptions { time, ..JobOptions::default() });
         let times: Vec<f64> = motions(&done).into_iter().map(|(_, _, t)| t).collect();
         for (found, expected) in times.iter().zip(expected) {
             close(*found, expected);
@@ -231,7 +235,7 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
 #[test]
 fn operator_messages_reach_the_log() {
     let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
-    let done = run_on("fanuc-mill-exact", overlay, "G0 X1. {CHECK CLAMP} (remark)\nM30\n", Options::default());
+    let done = run_on("fanuc-mill-exact", overlay, "G0 X1. {CHECK CLAMP} (remark)\nM30\n", JobOptions::default());
     assert_eq!(messages(&done), ["CHECK CLAMP"]);
     assert_eq!(numbers(&mill("G0 X1. (no end\nM30\n")), [2900010]);
 }
@@ -239,7 +243,7 @@ fn operator_messages_reach_the_log() {
 fn messages(done: &Done) -> Vec<&str> {
     let events = done.events.iter();
     events
-        .filter_map(|e| if let Kind::Message(Message { text, .. }) = &e.kind { Some(&**text) } else { None })
+        .filter_map(|e| if let Kind::Message(OperatorMessage { text, .. }) = &e.kind { Some(&**text) } else { None })
         .collect()
 }
 
@@ -248,7 +252,7 @@ fn messages_of_statements_show_on_every_pass() {
     let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
     let text = "O1\n#1=0\nWHILE[#1LT3]DO1\n#1=#1+1 {COUNT}\nG0 X#1 {MOVE}\nG65 P50 A#1 {CALL}\nEND1\n\
                 G65 P50 {LAST}\nM30\nO50\nG4 P1\nM99\n";
-    let done = run_on("fanuc-mill-exact", overlay, text, Options::default());
+    let done = run_on("fanuc-mill-exact", overlay, text, JobOptions::default());
     let pass = ["COUNT", "MOVE", "CALL"];
     assert_eq!(messages(&done), [&pass[..], &pass, &pass, &["LAST"]].concat());
     assert_eq!(numbers(&done), [0_u32; 0]);
@@ -279,9 +283,13 @@ fn a_name_inside_the_file_picks_a_program_or_section() {
     let heads = "O1\nG13\nG4F1\nM02\nG14\nG4F2\nM02\n";
     let archive = "%_N_UGUD_DEF\nDEF NCK REAL A\n%_N_A_MPF\nG4F1\nM30\n%_N_B_MPF\nG4F2\nM30\n%_N_C_SPF\nM17\n";
     let picked = |machine_name: &str, text: &str, names: &[&str]| {
-        let mut work = Work::texts(machine(machine_name, ""), &[text], Options::default());
-        let one =
-            |name: &&str| Program { file: "p1.nc".into(), number: None, section: Some((*name).into()), channel: None };
+        let mut work = Work::texts(machine(machine_name, ""), &[text], JobOptions::default());
+        let one = |name: &&str| ProgramSelection {
+            file: "p1.nc".into(),
+            number: None,
+            section: Some((*name).into()),
+            channel: None,
+        };
         work.programs = names.iter().map(one).collect();
         let done = work.run(None).map_err(|error| error.findings[0].to_string())?;
         assert_eq!(format!("{:?}", done.summary.state), "Succeeded", "{:?}", done.summary.diagnostics);

@@ -2,14 +2,14 @@
 //! scheduling nor the lack of a log changes anything.
 
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::log::summary::State;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::log::summary::JobOutcome;
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
 
-fn options(threads: u16) -> Options {
-    let limits = Limits { blocks: 3_000, zero_time_blocks: 1_000, events: 30_000, ..Limits::default() };
-    Options { limits, threads, ..Options::default() }
+fn options(threads: u16) -> JobOptions {
+    let limits = JobLimits { blocks: 3_000, zero_time_blocks: 1_000, events: 30_000, ..JobLimits::default() };
+    JobOptions { limits, threads, ..JobOptions::default() }
 }
 
 /// Formulas.
@@ -329,14 +329,14 @@ fn statements_without_axes_refuse_axis_words() {
             };
             let (number, close) = if iso { ("N30 ", " *") } else { ("", "") };
             let text = format!("{head}{number}{statement} {axis}+5{close}\n{moves}{end}");
-            let work = Work::texts(machine("heidenhain-mill-5axis", ""), &[&text], Options::default());
+            let work = Work::texts(machine("heidenhain-mill-5axis", ""), &[&text], JobOptions::default());
             let done = work.run(None).expect("a job");
             let state = done.summary.state;
             if takes.contains(axis) {
-                assert_eq!(state, State::Succeeded, "{text}{:?}", done.summary.diagnostics);
+                assert_eq!(state, JobOutcome::Succeeded, "{text}{:?}", done.summary.diagnostics);
                 continue;
             }
-            assert_eq!(state, State::Failed, "{text}");
+            assert_eq!(state, JobOutcome::Failed, "{text}");
             let reached: Vec<u32> =
                 done.events.iter().filter(|e| matches!(e.kind, Kind::Motion(_))).map(|e| e.line).collect();
             // The block itself moves nothing.

@@ -1,14 +1,14 @@
 //! Bad input: each gets a diagnostic or a clear error within its limit, never a panic or a hang.
 
-use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::{Kind, Message, VerdictKind};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::job::ProgramSelection;
+use counterpoint_kernel::log::event::{Kind, OperatorMessage, VerdictKind};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
-fn limited() -> Options {
-    let limits = Limits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..Limits::default() };
-    Options { limits, ..Options::default() }
+fn limited() -> JobOptions {
+    let limits = JobLimits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..JobLimits::default() };
+    JobOptions { limits, ..JobOptions::default() }
 }
 
 fn run(text: impl AsRef<[u8]>) -> Done {
@@ -85,11 +85,11 @@ fn lone_carriage_returns_end_blocks_and_nul_bytes_are_told() {
 fn a_program_beyond_the_machine_is_refused() {
     let mut work = Work::texts(machine("fanuc-mill-exact", ""), &["M30\n", "M30\n"], limited());
     assert!(work.run(None).unwrap_err().findings[0].text.contains("has more programs"));
-    work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), section: None, channel: None }];
+    work.programs = vec![ProgramSelection { file: "p1.nc".into(), number: Some(77), section: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("program O0077 not found"));
-    work.programs = vec![Program { file: "none.nc".into(), number: None, section: None, channel: None }];
+    work.programs = vec![ProgramSelection { file: "none.nc".into(), number: None, section: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no file 'none.nc'"));
-    work.programs = vec![Program { file: "p1.nc".into(), number: None, section: None, channel: Some(9) }];
+    work.programs = vec![ProgramSelection { file: "p1.nc".into(), number: None, section: None, channel: Some(9) }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no channel 9"));
 }
 
@@ -302,10 +302,10 @@ proptest! {
 
 /// A machine whose code macros each issue the code of the next one, and whose functions each call the next one.
 fn chain_of(macros: usize, functions: usize) -> std::sync::Arc<counterpoint_kernel::machine::Machine> {
-    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::files::MemoryFiles;
     use counterpoint_kernel::machine::package::Overlay;
     let mut text = "extends = \"fanuc-mill-exact\"\n[ce]\nname = \"chain\"\n[[registers]]\nindex = 3\nname = \"G\"\nwhole = 4\nfrac = 1\n[macros]\nfunctions = [\"f.mac\"]\n".to_owned();
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     for at in 1..=macros {
         text += &format!("[[codes]]\nid = \"CODE_C{at}\"\ncustom = true\nword = \"G{}\"\n", 2000 + at);
         text += &format!("[[macros.code]]\nmatch = [\"CODE_C{at}\"]\nfile = \"c{at}.mac\"\n");
@@ -334,7 +334,9 @@ fn macros_may_be_active_in_any_number_that_the_stack_bears() {
     };
     let (done, told) = run(200);
     assert_eq!(told, [0_u32; 0]);
-    let answer =
-        done.events.iter().any(|event| matches!(&event.kind, Kind::Message(Message { text, .. }) if &**text == "900"));
+    let answer = done
+        .events
+        .iter()
+        .any(|event| matches!(&event.kind, Kind::Message(OperatorMessage { text, .. }) if &**text == "900"));
     assert!(answer, "the innermost macro has run, and its chain of functions");
 }

@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::summary::State;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::JobOutcome;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 
 const MILL: &[&str] = &[
@@ -67,9 +67,9 @@ fn faults(on: &str, blocks: &[&str]) -> String {
         let machine = machine(on, "[[tool.offsets]]\nnumber = 1\nradius = 1\n");
         let mut texts = vec![format!("O1\n{block}\nM30\n")];
         texts.extend((1..machine.channels.len()).map(|_| "M30\n".to_owned()));
-        let done = Work::texts(machine, &texts, Options::default()).run(None).expect("the job can be prepared");
+        let done = Work::texts(machine, &texts, JobOptions::default()).run(None).expect("the job can be prepared");
         let told: Vec<_> = done.summary.diagnostics.iter().filter(|one| one.severity >= 8).collect();
-        if done.summary.state != State::Succeeded || !told.is_empty() {
+        if done.summary.state != JobOutcome::Succeeded || !told.is_empty() {
             let _ = writeln!(wrong, "{on}, '{block}': {told:?}");
         }
     }

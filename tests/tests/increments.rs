@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::log::event::{Kind, MotionKind};
 use counterpoint_kernel::machine::Machine;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -106,7 +106,7 @@ type Moved = (MotionKind, [f64; 3], i64);
 
 /// Each motion: its kind, its end, how long it takes.
 fn ran(machine: &Arc<Machine>, text: &str) -> (Vec<Moved>, Vec<u32>) {
-    let done = Work::texts(Arc::clone(machine), &[text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(Arc::clone(machine), &[text], JobOptions::default()).run(None).expect("a job");
     let ends = done.events.iter().filter_map(|event| match &event.kind {
         Kind::Motion(motion) => Some((motion.kind, [motion.to[0], motion.to[1], motion.to[2]], event.dur_ns)),
         _ => None,

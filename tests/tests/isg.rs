@@ -1,13 +1,13 @@
 //! Random programs for the ISG pre-processor and its signals: for any text the run ends within its limits, and neither
 //! scheduling nor the lack of a log changes anything.
 
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
 
-fn options(threads: u16) -> Options {
-    let limits = Limits { blocks: 3_000, zero_time_blocks: 1_000, events: 30_000, ..Limits::default() };
-    Options { limits, threads, ..Options::default() }
+fn options(threads: u16) -> JobOptions {
+    let limits = JobLimits { blocks: 3_000, zero_time_blocks: 1_000, events: 30_000, ..JobLimits::default() };
+    JobOptions { limits, threads, ..JobOptions::default() }
 }
 
 /// Values and conditions.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::log::event::{Kind, MotionKind};
 use counterpoint_kernel::machine::Machine;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
 
@@ -213,7 +213,7 @@ struct Ran {
 
 fn ran(machine: &Arc<Machine>, text: &str) -> Ran {
     let done =
-        Work::texts(Arc::clone(machine), &[text], Options::default()).run(None).expect("the job can be prepared");
+        Work::texts(Arc::clone(machine), &[text], JobOptions::default()).run(None).expect("the job can be prepared");
     let moves = done.events.iter().filter_map(|event| match &event.kind {
         Kind::Motion(motion) => {
             Some((motion.kind, [motion.to[0], motion.to[1], motion.to[2]], motion.feed, event.dur_ns))

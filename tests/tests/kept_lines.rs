@@ -5,7 +5,7 @@
 //! time.
 
 use counterpoint_kernel::log::event::{Event, Kind};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
@@ -351,8 +351,8 @@ fn program(control: &Control, pieces: &[Piece]) -> String {
 }
 
 fn run(control: &Control, text: &str, trace: &str) -> Done {
-    let limits = Limits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..Limits::default() };
-    let options = Options { limits, trace: trace.to_owned(), ..Options::default() };
+    let limits = JobLimits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..JobLimits::default() };
+    let options = JobOptions { limits, trace: trace.to_owned(), ..JobOptions::default() };
     Work::texts(machine(control.machine, control.overlay), &[text], options).run(None).expect("the job can be prepared")
 }
 

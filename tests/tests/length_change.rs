@@ -8,7 +8,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
 
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -67,7 +67,7 @@ fn model(blocks: &[Block]) -> Vec<(u32, f64)> {
 fn run(blocks: &[Block], change: &str) -> Vec<(u32, f64)> {
     let mill = machine("fanuc-mill", &LENGTHS.replace("CHANGE", change));
     let text = text(blocks);
-    let done = Work::texts(mill, &[&text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(mill, &[&text], JobOptions::default()).run(None).expect("a job");
     assert!(done.summary.diagnostics.is_empty(), "{text}{:?}", done.summary.diagnostics);
     let (mut shift, mut z) = (0.0, 500.0);
     let mut places: Vec<(u32, f64)> = Vec::new();

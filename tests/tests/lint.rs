@@ -1,8 +1,8 @@
 //! Checks of programs that are not run: the block up to which a channel is checked, the findings, and that nothing
 //! else acts.
 
-use counterpoint_kernel::log::summary::{State, Summary};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::{JobOutcome, Summary};
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, cases, machine};
 
 const ENDS_EARLY: u32 = 2_900_441;
@@ -12,7 +12,7 @@ const ORDER: u32 = 2_900_444;
 const LOOPS: u32 = 2_900_446;
 
 fn work(name: &str, programs: &[&str]) -> Work {
-    Work::texts(machine(name, ""), programs, Options { lint: true, ..Options::default() })
+    Work::texts(machine(name, ""), programs, JobOptions { lint: true, ..JobOptions::default() })
 }
 
 fn judged(name: &str, programs: &[&str]) -> Summary {
@@ -36,7 +36,7 @@ fn path(program: &'static str) -> Summary {
 }
 
 fn clean(summary: &Summary) {
-    assert_eq!((summary.state, found(summary)), (State::Succeeded, Vec::new()), "{:#?}", summary.verdict);
+    assert_eq!((summary.state, found(summary)), (JobOutcome::Succeeded, Vec::new()), "{:#?}", summary.verdict);
     assert!(summary.waits.iter().all(|wait| wait.release_ns.is_some()));
 }
 
@@ -65,7 +65,7 @@ fn branches_and_loops_without_waits_are_passed() {
     ] {
         let summary = path(looped);
         let numbers: Vec<u32> = found(&summary).iter().map(|(number, ..)| *number).collect();
-        assert_eq!((summary.state, numbers), (State::Succeeded, vec![LOOPS]), "{looped}");
+        assert_eq!((summary.state, numbers), (JobOutcome::Succeeded, vec![LOOPS]), "{looped}");
         assert_eq!(summary.waits.len(), 2, "{looped}");
     }
 }
@@ -92,7 +92,7 @@ fn what_only_a_run_can_tell_is_said_with_its_line() {
         assert_eq!(found(&summary).last(), Some(&(ENDS_EARLY, 1, line)), "{program}");
         let text = &summary.diagnostics.iter().rfind(|diagnostic| diagnostic.number == ENDS_EARLY).unwrap().text;
         assert!(text.contains(says), "{program}: {text}");
-        assert_eq!((summary.state, summary.verdict), (State::Succeeded, None), "{program}");
+        assert_eq!((summary.state, summary.verdict), (JobOutcome::Succeeded, None), "{program}");
     }
 }
 
@@ -102,9 +102,9 @@ fn what_only_a_run_can_tell_is_said_with_its_line() {
 fn who_waits_for_a_channel_that_is_judged_in_part_is_not_condemned() {
     let lost = "O1\nIF [#500 EQ 1] GOTO 10\nM101 P12\nN10 M30\n";
     let summary = judged("fanuc-3path-lathe", &[lost, "O2\nM101 P12\nM30\n", "O3\nM30\n"]);
-    assert_eq!((summary.state, summary.verdict), (State::Succeeded, None));
+    assert_eq!((summary.state, summary.verdict), (JobOutcome::Succeeded, None));
     let summary = judged("fanuc-3path-lathe", &[lost, "O2\nM105 P23\nM30\n", "O3\nM30\n"]);
-    assert_eq!(summary.state, State::Failed);
+    assert_eq!(summary.state, JobOutcome::Failed);
     let text = summary.verdict.unwrap().text;
     assert!(text.contains("channel 2 waits at p2.nc line 2 'M105 P23' for channel 3; channel 3 has ended"), "{text}");
 }
@@ -112,7 +112,7 @@ fn who_waits_for_a_channel_that_is_judged_in_part_is_not_condemned() {
 #[test]
 fn targets_that_are_not_there_and_blocks_that_nobody_can_read_are_found() {
     let summary = path("O1\nIF [#500 EQ 1] GOTO 10\nM101\nM30\n");
-    assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(TARGET, 1, 2)]));
+    assert_eq!((summary.state, found(&summary)), (JobOutcome::Failed, vec![(TARGET, 1, 2)]));
     for (program, number) in [
         ("O1\nGOTO 10\nM30\n", 2_900_042),
         ("O1\nM98 P10\nM30\n", 2_900_040),
@@ -122,7 +122,7 @@ fn targets_that_are_not_there_and_blocks_that_nobody_can_read_are_found() {
         ("O1\nM101 P9\nM30\n", 2_900_051),
     ] {
         let summary = judged("fanuc-2path-lathe", &[program, "O2\nM30\n"]);
-        assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(number, 1, 2)]), "{program}");
+        assert_eq!((summary.state, found(&summary)), (JobOutcome::Failed, vec![(number, 1, 2)]), "{program}");
     }
 }
 
@@ -144,7 +144,7 @@ fn siemens_programs_are_followed() {
     let computed = both("DEF INT MARK\nMARK=3\nWAITM(MARK,1,2)\nM30\n", "M30\n");
     assert_eq!(found(&computed), [(ENDS_EARLY, 1, 3)]);
     let missing = both("IF R1>0 GOTOF NOWHERE\nM30\n", "M30\n");
-    assert_eq!((missing.state, found(&missing)), (State::Failed, vec![(TARGET, 1, 1)]));
+    assert_eq!((missing.state, found(&missing)), (JobOutcome::Failed, vec![(TARGET, 1, 1)]));
 }
 
 /// A cycle that is stored with the machine is not entered if it meets no channel, neither when a block calls it nor when
@@ -173,7 +173,7 @@ fn okuma_citizen_and_isg_programs_are_followed() {
     let okuma = |one: &str, two: &str| judged("okuma-2saddle-lathe", &[one, two]);
     clean(&okuma("P10\nIF[V1 EQ 1] NA1\nX1\nNA1 P20\nM02\n", "P10\nP20\nM02\n"));
     let short = okuma("P10\nM02\n", "P10\nM30\n");
-    assert_eq!(short.state, State::Succeeded);
+    assert_eq!(short.state, JobOutcome::Succeeded);
     let isg = |programs: &[&str]| judged("isg-3ch", programs);
     clean(&isg(&["#SIGNAL [ID7 CH2]\nM30\n", "#WAIT [ID7 CH1]\nM30\n", "M30\n"]));
     let never = isg(&["M30\n", "#WAIT [ID7 CH1]\nM30\n", "M30\n"]);
@@ -193,7 +193,7 @@ fn all_unknown_words_are_reported_in_one_go() {
     let program =
         "O1\nM428\nG411 F12.\nM428\nIF [#1 EQ 1] GOTO 10\nM429\nM101\nN10 M430\nM98 P20\nM30\nO20\nM431\nM99\n";
     let summary = judged("fanuc-2path-lathe", &[program, "O2\nM101\nM432\nM30\n"]);
-    assert_eq!(summary.state, State::Failed);
+    assert_eq!(summary.state, JobOutcome::Failed);
     let unknown = 2_900_320;
     let mut lines = found(&summary);
     lines.retain(|(number, ..)| *number == unknown);
@@ -202,7 +202,7 @@ fn all_unknown_words_are_reported_in_one_go() {
     assert_eq!(lines, [own.as_slice(), &[(unknown, 2, 3)]].concat());
     let called = "O1\nM98 P20\nM30\nO20\nM431\nM99\n";
     let summary = judged("fanuc-2path-lathe", &[called, "O2\nM30\n"]);
-    assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(unknown, 1, 5)]));
+    assert_eq!((summary.state, found(&summary)), (JobOutcome::Failed, vec![(unknown, 1, 5)]));
 }
 
 /// Results that depend on the order of arrival of channels are not judged: an axis that changes its channel twice, a
@@ -213,10 +213,10 @@ fn waits_that_depend_on_the_order_of_channels_are_no_deadlock() {
         "siemens-2ch-millturn",
         &["G4 F2\nRELEASE(C1)\nG4 F1\nGET(C1)\nG4 F1\nM30\n", "G4 F0.5\nGET(C1)\nG4 F2\nRELEASE(C1)\nM30\n"],
     );
-    assert_eq!((lease.state, lease.verdict.as_ref()), (State::Succeeded, None));
+    assert_eq!((lease.state, lease.verdict.as_ref()), (JobOutcome::Succeeded, None));
     assert_eq!(found(&lease), [(ORDER, 1, 2), (ORDER, 2, 2)]);
     let barrier = judged("siemens-2ch-millturn", &["SETM(1)\nM30\n", "WAITM(2,1,2)\nM30\n"]);
-    assert_eq!((barrier.state, barrier.verdict), (State::Succeeded, None));
+    assert_eq!((barrier.state, barrier.verdict), (JobOutcome::Succeeded, None));
 }
 
 /// Programs that a run brings to their end are never condemned without it.
@@ -242,14 +242,14 @@ fn a_program_that_runs_is_never_condemned() {
             text + "M30\n"
         });
         let texts = [programs[0].as_str(), programs[1].as_str()];
-        let options = Options::default();
+        let options = JobOptions::default();
         let run = Work::texts(machine("siemens-2ch-millturn", ""), &texts, options).run(None).unwrap().summary;
-        if run.state != State::Succeeded {
+        if run.state != JobOutcome::Succeeded {
             continue;
         }
         ran += 1;
         let judged = judged("siemens-2ch-millturn", &texts);
-        assert_eq!((judged.state, judged.verdict), (State::Succeeded, None), "{programs:#?}");
+        assert_eq!((judged.state, judged.verdict), (JobOutcome::Succeeded, None), "{programs:#?}");
     }
     assert!(ran > 50, "only {ran} programs ran to their end");
 }

@@ -6,7 +6,7 @@
 
 use counterpoint_kernel::log::event::{Event, Kind};
 use counterpoint_kernel::log::summary::Summary;
-use counterpoint_kernel::options::{Options, TimeModel};
+use counterpoint_kernel::options::{JobOptions, TimeModel};
 use counterpoint_tests::{Done, Work, cases, machine};
 
 /// One program of a channel; `own` and `other` are its number and that of its partner.
@@ -75,7 +75,7 @@ fn work(seed: u64) -> Work {
         f64::from(random.u8(0..3)) / 100.0,
     );
     let texts: Vec<String> = (1..=2).map(|own| program(&mut random, own, &meetings)).collect();
-    Work::texts(machine("siemens-2ch-tm1", &overlay), &texts, Options { threads: 1, ..Options::default() })
+    Work::texts(machine("siemens-2ch-tm1", &overlay), &texts, JobOptions { threads: 1, ..JobOptions::default() })
 }
 
 /// The moves of a channel, with their times.
@@ -137,7 +137,7 @@ fn shortest(event: &Event) -> i64 {
 fn a_path_that_runs_out_of_moves_stops() {
     for (blocks, seconds) in [(1000, 2.1), (5000, 2.2)] {
         let text = format!("DIAMOF G94\nG1 X100 F6000\n{}X200\nM30\n", "R1=R1+1\n".repeat(blocks));
-        let work = Work::texts(machine("siemens-2ch-tm1", ""), &[text], Options::default());
+        let work = Work::texts(machine("siemens-2ch-tm1", ""), &[text], JobOptions::default());
         let done = work.run(None).unwrap();
         assert_eq!(done.summary.makespan_ns, (seconds * 1e9_f64) as i64, "{blocks} blocks");
     }

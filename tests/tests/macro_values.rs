@@ -10,11 +10,11 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use counterpoint_kernel::diag;
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::load;
 use counterpoint_kernel::machine::package::Overlay;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::Work;
 
 /// How the value 5 reaches the macro or the action.
@@ -167,7 +167,7 @@ fn expected(way: Way, (column, setting): (&str, &str), inches: bool) -> Taken {
 }
 
 /// The machine of a way with one column set.
-fn machine(way: Way, (column, setting): (&str, &str)) -> Memory {
+fn machine(way: Way, (column, setting): (&str, &str)) -> MemoryFiles {
     let (id, custom) = if way.is_action() { ("REG_DELAY", false) } else { ("REG_MYE", true) };
     let register = if way.is_code() || column == "register" { "" } else { "register = \"E\", " };
     let set =
@@ -204,7 +204,7 @@ fn machine(way: Way, (column, setting): (&str, &str)) -> Memory {
         _ = writeln!(definition, "macros.data = [{{ match = [\"{id}\"], file = \"data.mac\" }}]");
     }
     definition += "\n[ce]\nname = \"values\"\n";
-    let mut folder = Memory::default();
+    let mut folder = MemoryFiles::default();
     folder.insert("values/machine.toml", definition);
     folder.insert("values/flood.mac", way.flood());
     folder.insert("values/text.mac", "EXEC/NOW,'M8 E5'\n");
@@ -218,7 +218,8 @@ fn taken(way: Way, column: (&str, &str), inches: bool) -> Result<Taken, String> 
     let loaded = load(&Overlay::new(machine(way, column), counterpoint_tests::library()), "values");
     let machine = loaded.machine.ok_or_else(|| format!("{:?}", loaded.findings))?;
     let text = format!("{}{}\nM30\n", if inches { "G20\n" } else { "" }, way.block());
-    let done = Work::texts(Arc::new(machine), &[text], Options::default()).run(None).map_err(|why| why.to_string())?;
+    let done =
+        Work::texts(Arc::new(machine), &[text], JobOptions::default()).run(None).map_err(|why| why.to_string())?;
     let mut taken = Taken { value: None, complaint: None };
     for event in &done.events {
         match &event.kind {

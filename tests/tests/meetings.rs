@@ -6,7 +6,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use counterpoint_kernel::log::event::VerdictKind;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, machine};
 
 /// Memory of the process is measured, so one test runs at a time.
@@ -34,11 +34,11 @@ fn job(channels: u16, program: impl Fn(u16) -> String) -> Work {
         overlay.push_str(&format!("[[channels]]\nnumber = {number}\naxes = [\"X{number}\"]\n"));
     }
     let texts: Vec<String> = (1..=channels).map(program).collect();
-    let limits = Limits { zero_time_blocks: u64::MAX, ..Limits::MOST };
+    let limits = JobLimits { zero_time_blocks: u64::MAX, ..JobLimits::MOST };
     Work::texts(
         machine("fanuc-turning", &format!("[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n\n{overlay}")),
         &texts,
-        Options { limits, ..Options::default() },
+        JobOptions { limits, ..JobOptions::default() },
     )
 }
 

@@ -5,15 +5,15 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::{Bytes, Error, Files, Memory};
-use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::{Bytes, FileError, JobFiles, MemoryFiles};
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
-use counterpoint_kernel::log::event::{Event, Kind, Message};
-use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
+use counterpoint_kernel::log::event::{Event, Kind, OperatorMessage};
+use counterpoint_kernel::log::summary::{ChannelState, JobOutcome, Summary};
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, processors};
 
 /// A path to end: its name, machine rows, the startup macro's statements, program, numbers it raises.
@@ -21,11 +21,11 @@ struct End {
     name: &'static str,
     machine: &'static str,
     program: &'static str,
-    limits: fn(&mut Limits),
+    limits: fn(&mut JobLimits),
     numbers: &'static [u32],
 }
 
-const NOTHING: fn(&mut Limits) = |_| {};
+const NOTHING: fn(&mut JobLimits) = |_| {};
 
 const ENDS: &[End] = &[
     End { name: "unknown G", machine: "", program: "G0 X1.\nG199 X5.\nM30\n", limits: NOTHING, numbers: &[2_900_320] },
@@ -145,7 +145,7 @@ const ENDS: &[End] = &[
 const SOFTENED: &[&str] = &["as it is", "row", "floor", "$FERSEV", "$FERSTA", "$ERRMSG", "$P1=0"];
 
 fn machine(end: &End, soft: &str, stops: bool) -> Arc<Machine> {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let mut text = "extends = \"fanuc-mill-exact\"\n".to_owned();
     if soft == "floor" {
         text.push_str("min_severity = 99\n");
@@ -190,7 +190,7 @@ fn machine(end: &End, soft: &str, stops: bool) -> Arc<Machine> {
 }
 
 fn run(end: &End, soft: &str, stops: bool) -> Summary {
-    let mut options = Options::default();
+    let mut options = JobOptions::default();
     (end.limits)(&mut options.limits);
     let work = Work::texts(machine(end, soft, stops), &[end.program], options);
     let done = work.run(None).expect("the job can be prepared");
@@ -207,7 +207,7 @@ fn no_way_to_end_and_no_way_to_soften_it_makes_a_job_succeed() {
             for stops in [true, false] {
                 let summary = run(end, soft, stops);
                 let told = summary.verdict.is_some() || summary.diagnostics.iter().any(|d| d.severity >= 8);
-                if summary.state != State::Failed || !told {
+                if summary.state != JobOutcome::Failed || !told {
                     let (state, diagnostics) = (summary.state, &summary.diagnostics);
                     let _ = writeln!(wrong, "{}, {soft}, stops = {stops}: {state:?} {diagnostics:#?}", end.name);
                 }
@@ -232,8 +232,8 @@ fn a_family_stops_and_a_control_that_goes_on_comes_to_its_end() {
 fn a_job_without_its_program_does_not_start() {
     let end = &ENDS[3];
     for soft in SOFTENED {
-        let mut work = Work::texts(machine(end, soft, true), &["G0 X1.\nM30\n"], Options::default());
-        work.programs = vec![Program { file: "p2.nc".to_owned(), number: None, section: None, channel: None }];
+        let mut work = Work::texts(machine(end, soft, true), &["G0 X1.\nM30\n"], JobOptions::default());
+        work.programs = vec![ProgramSelection { file: "p2.nc".to_owned(), number: None, section: None, channel: None }];
         assert!(work.run(None).is_err(), "{soft}");
     }
 }
@@ -241,7 +241,7 @@ fn a_job_without_its_program_does_not_start() {
 /// Program Shutdown runs after the alarm of a control that stops, as it does after an end.
 #[test]
 fn program_shutdown_runs_after_an_alarm() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert(
         "soft/machine.toml",
         "extends = \"fanuc-mill-exact\"\n\n[ce]\nname = \"soft\"\n\n[macros]\nprogram_shutdown = \"end.mac\"\n",
@@ -249,12 +249,12 @@ fn program_shutdown_runs_after_an_alarm() {
     files.insert("soft/end.mac", "PPRINT/'over'\n");
     let loaded = load(&Overlay::new(files, counterpoint_tests::library()), "soft");
     let machine = loaded.machine.map(Arc::new).expect("a machine");
-    let done = Work::texts(machine, &["G0 X1.\nG199 X2.\nM30\n"], Options::default()).run(None).expect("a job");
+    let done = Work::texts(machine, &["G0 X1.\nG199 X2.\nM30\n"], JobOptions::default()).run(None).expect("a job");
     assert_eq!(done.summary.channels[0].state, ChannelState::Alarmed);
     let messages = done
         .events
         .iter()
-        .filter(|event| matches!(&event.kind, Kind::Message(Message { text, .. }) if &**text == "over"));
+        .filter(|event| matches!(&event.kind, Kind::Message(OperatorMessage { text, .. }) if &**text == "over"));
     assert_eq!(messages.count(), 1);
 }
 
@@ -265,9 +265,9 @@ fn everywhere() {
 }
 
 /// Keeps nothing; asks the job to end at its first events.
-struct Cancels<'a>(&'a Control, ResultsBuilder);
+struct Cancels<'a>(&'a JobControl, ResultsBuilder);
 
-impl Sink for Cancels<'_> {
+impl LogSink for Cancels<'_> {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.1)
     }
@@ -284,15 +284,15 @@ fn a_cancelled_job_does_not_succeed() {
     for (name, threads) in [("fanuc-mill", 1), ("fanuc-2path-lathe", 1), ("fanuc-2path-lathe", 2)] {
         let machine = counterpoint_tests::machine(name, "");
         let texts: Vec<&str> = machine.channels.iter().map(|_| program).collect();
-        let work = Work::texts(machine, &texts, Options { threads, ..Options::default() });
+        let work = Work::texts(machine, &texts, JobOptions { threads, ..JobOptions::default() });
         let spec =
             Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
         let job = Job::prepare(spec, &work.files).expect("a job");
-        let control = Control::new(work.machine.channels.len());
+        let control = JobControl::new(work.machine.channels.len());
         let mut sink = Cancels(&control, ResultsBuilder::new(job.info()));
         let outcome = job.run(&work.files, &control, &mut sink);
         let summary = sink.1.finish(&outcome).summary;
-        assert_ne!(summary.state, State::Succeeded, "{name}, {threads} threads");
+        assert_ne!(summary.state, JobOutcome::Succeeded, "{name}, {threads} threads");
         assert!(summary.channels.iter().all(|channel| channel.state != ChannelState::Ended), "{summary:?}");
     }
 }
@@ -308,7 +308,7 @@ fn a_kernel_that_panics_leaves_no_result() {
     for threads in [1, 2] {
         let machine = counterpoint_tests::machine("fanuc-2path-lathe-exact", "");
         let texts = ["O1\nM101\nG4 P100\nM30\n", "O2\nM101\nM30\n"];
-        let work = Work::texts(machine, &texts, Options { threads, ..Options::default() });
+        let work = Work::texts(machine, &texts, JobOptions { threads, ..JobOptions::default() });
         let run = std::panic::AssertUnwindSafe(|| work.run(Some(fails)));
         assert!(std::panic::catch_unwind(run).is_err(), "{threads} threads");
     }
@@ -316,16 +316,16 @@ fn a_kernel_that_panics_leaves_no_result() {
 
 /// Files of which only the first few can be read.
 struct Failing {
-    files: Memory,
+    files: MemoryFiles,
     left: AtomicUsize,
 }
 
-impl Files for Failing {
-    fn read(&self, path: &str) -> Result<Bytes, Error> {
+impl JobFiles for Failing {
+    fn read(&self, path: &str) -> Result<Bytes, FileError> {
         let left = |left: usize| left.checked_sub(1);
         match self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left) {
             Ok(_) => self.files.read(path),
-            Err(_) => Err(Error::Unreadable { name: path.to_owned(), reason: "the disk is gone".to_owned() }),
+            Err(_) => Err(FileError::Unreadable { name: path.to_owned(), reason: "the disk is gone".to_owned() }),
         }
     }
 
@@ -336,32 +336,34 @@ impl Files for Failing {
 
 #[test]
 fn a_job_whose_files_become_unreadable_does_not_succeed() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("p1.nc", "O1\nM98 P2\nM98 P3\nM30\n");
     files.insert("O0002.nc", "O2\nG0 X1.\nM99\n");
     files.insert("O0003.nc", "O3\nG0 X2.\nM99\n");
     let mut states = Vec::new();
     for left in 0..12 {
         let failing = Failing { files: files.clone(), left: AtomicUsize::new(left) };
-        let programs = vec![Program { file: "p1.nc".to_owned(), number: None, section: None, channel: None }];
+        let programs = vec![ProgramSelection { file: "p1.nc".to_owned(), number: None, section: None, channel: None }];
         let machine = counterpoint_tests::machine("fanuc-mill-exact", "");
-        let Ok(job) = Job::prepare(Spec { machine, programs, options: Options::default() }, &failing) else { continue };
-        let control = Control::new(1);
+        let Ok(job) = Job::prepare(Spec { machine, programs, options: JobOptions::default() }, &failing) else {
+            continue;
+        };
+        let control = JobControl::new(1);
         let mut sink = Keeps(ResultsBuilder::new(job.info()));
         let outcome = job.run(&failing, &control, &mut sink);
         let summary = sink.0.finish(&outcome).summary;
         let moves = summary.channels[0].blocks;
         let all = failing.left.load(Ordering::Relaxed) > 0;
         states.push(summary.state);
-        assert_eq!(summary.state == State::Succeeded, all || moves == 10, "{left}: {summary:#?}");
+        assert_eq!(summary.state == JobOutcome::Succeeded, all || moves == 10, "{left}: {summary:#?}");
     }
-    assert!(states.contains(&State::Failed) && states.contains(&State::Succeeded), "{states:?}");
+    assert!(states.contains(&JobOutcome::Failed) && states.contains(&JobOutcome::Succeeded), "{states:?}");
 }
 
 /// Keeps the results.
 struct Keeps(ResultsBuilder);
 
-impl Sink for Keeps {
+impl LogSink for Keeps {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.0)
     }

@@ -4,11 +4,11 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::load;
 use counterpoint_kernel::machine::package::Overlay;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::Work;
 
 /// Places of macros: the key of the machine definition, and the rest of the macro, which lets the control act.
@@ -61,14 +61,14 @@ M99
 /// The findings of the machine and the log of the job, as text.
 fn shown(place: &str, text: &str) -> String {
     let definition = format!("extends = \"mill100\"\n{}\n\n[ce]\nname = \"it\"\n", place.replace("FILE", "\"it.mac\""));
-    let mut folder = Memory::default();
+    let mut folder = MemoryFiles::default();
     folder.insert("mill100/machine.toml", include_str!("../spec/machines/mill100.toml"));
     folder.insert("it/machine.toml", definition);
     folder.insert("it/it.mac", text);
     let loaded = load(&Overlay::new(folder, counterpoint_tests::library()), "it");
     let mut shown: String = loaded.findings.iter().map(|finding| format!("{}\n", finding.text)).collect();
     let Some(machine) = loaded.machine else { return shown };
-    match Work::texts(Arc::new(machine), &[PROGRAM], Options::default()).run(None) {
+    match Work::texts(Arc::new(machine), &[PROGRAM], JobOptions::default()).run(None) {
         Ok(done) => {
             for event in &done.events {
                 match &event.kind {

@@ -13,7 +13,7 @@ use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::package::shipped_names;
 use counterpoint_kernel::machine::rows::{CodeForm, CodeRow};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, cases, machine};
 
 /// Codes in whose blocks axes may move; a star is the rest of a name.
@@ -252,8 +252,8 @@ fn program(machine: &Machine, blocks: &[String]) -> (String, u32) {
 
 /// Runs blocks as far as the first alarm: the places of those in which something moves, and how many have begun.
 fn run(machine: &Arc<Machine>, blocks: &[String]) -> (BTreeSet<usize>, usize) {
-    let limits = Limits { blocks: 400, ..Limits::default() };
-    let options = Options { limits, threads: 1, ..Options::default() };
+    let limits = JobLimits { blocks: 400, ..JobLimits::default() };
+    let options = JobOptions { limits, threads: 1, ..JobOptions::default() };
     let (text, first) = program(machine, blocks);
     let mut texts = vec![text];
     texts.extend((1..machine.channels.len()).map(|_| "M30\n".to_owned()));

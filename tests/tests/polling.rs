@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use counterpoint_kernel::log::event::VerdictKind;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, cases, machine, processors};
 
 /// Channels, and variables that they wait for.
@@ -106,7 +106,7 @@ fn exactly_those_spin_for_whom_nobody_writes() {
         let mut numbers = Numbers(case.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let (texts, steps): (Vec<String>, Vec<Vec<Step>>) =
             (1..=CHANNELS).map(|own| program(own, &mut numbers)).unzip();
-        let mut work = Work::texts(machine.clone(), &texts, Options::default());
+        let mut work = Work::texts(machine.clone(), &texts, JobOptions::default());
         work.options.threads = 1;
         let one = work.run(None).unwrap();
         let expected = stuck(&steps);

@@ -2,7 +2,7 @@
 //!
 //! Every run is watched (`watchdog`), so a wake-up that is lost fails the test with the state of every kernel.
 
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::processors::{PLACES, at};
 use counterpoint_tests::{Work, machine};
 
@@ -36,7 +36,7 @@ fn everywhere(name: &str, work: &Work, rounds: usize) -> String {
 }
 
 fn two_path(texts: &[String]) -> Work {
-    Work::texts(machine("fanuc-2path-lathe-exact", ""), texts, Options::default())
+    Work::texts(machine("fanuc-2path-lathe-exact", ""), texts, JobOptions::default())
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn many_channels_that_meet_at_time_zero_end_everywhere() {
             format!("O{own}\n{meetings}#{}=1\nM30\n", 500 + own)
         })
         .collect();
-    let work = Work::texts(machine("fanuc-turning", &channels(&numbers)), &texts, Options::default());
+    let work = Work::texts(machine("fanuc-turning", &channels(&numbers)), &texts, JobOptions::default());
     everywhere("eight channels", &work, 1);
 }
 
@@ -89,7 +89,7 @@ fn channels_with_gaps_between_their_numbers_meet() {
         let wait = list(a.max(b));
         let texts =
             [format!("O1\nG4P100\nM101{wait}\n#500=1\nM30\n"), format!("O2\nG4P200\n#500=2\nM101{wait}\nM30\n")];
-        let work = Work::texts(machine("fanuc-turning", &channels(&numbers)), &texts, Options::default());
+        let work = Work::texts(machine("fanuc-turning", &channels(&numbers)), &texts, JobOptions::default());
         let done = work.run(None).unwrap();
         let story = format!("channels {numbers:?}: {:#?}", done.summary);
         assert_eq!(done.summary.makespan_ns, 200_000_000, "{story}");
@@ -99,7 +99,7 @@ fn channels_with_gaps_between_their_numbers_meet() {
         everywhere("gaps", &work, 2);
         let alone = [texts[0].clone(), "O2\nM30\n".to_owned()];
         let done =
-            Work { files: Work::texts(work.machine.clone(), &alone, Options::default()).files, ..work }.run(None);
+            Work { files: Work::texts(work.machine.clone(), &alone, JobOptions::default()).files, ..work }.run(None);
         let verdict = done.unwrap().summary.verdict.unwrap();
         assert!(verdict.text.contains(&format!("channel {b} has ended")), "{}", verdict.text);
     }

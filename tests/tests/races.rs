@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::{Options, Races};
+use counterpoint_kernel::options::{JobOptions, RacePolicy};
 use counterpoint_tests::{Work, machine};
 
 const RACE: u32 = 2_900_440;
@@ -13,7 +13,7 @@ const SPINDLE: u32 = 2_900_022;
 
 /// Numbers and texts of the reports about two programs, the same with one thread as with two.
 fn reported(machine: &Arc<Machine>, texts: &[&str]) -> Vec<(u32, String)> {
-    let options = Options { races: Races::Warn, ..Options::default() };
+    let options = JobOptions { races: RacePolicy::Warn, ..JobOptions::default() };
     let mut work = Work::texts(Arc::clone(machine), texts, options);
     let done = work.run(None).unwrap();
     work.options.threads = 1;
@@ -23,7 +23,7 @@ fn reported(machine: &Arc<Machine>, texts: &[&str]) -> Vec<(u32, String)> {
 
 /// A lathe whose blocks write a variable of all channels.
 fn counting() -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     let toml =
         "extends = \"fanuc-2path-lathe-exact\"\n[ce]\nname = \"counting\"\n[macros]\nblock_startup = \"m.mac\"\n";
     user.insert("counting/machine.toml", toml);

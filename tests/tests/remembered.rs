@@ -11,16 +11,16 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Program, Sink, Spec, WrittenFiles};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, Spec, WrittenFiles};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, Kind, OffsetKind};
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::operator::{Command, Console, Heard, Report, Said, StepCalls, Whom};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::operator::{Console, Heard, StepCalls, StepCommand, StepReply, StepReport, Whom};
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::cases;
 
 /// Numbers of offsets with values.
@@ -250,7 +250,7 @@ fn machine() -> Arc<Machine> {
         let radius = f64::from(number) / 10.0;
         let _ = write!(text, "[[tool.offsets]]\nnumber = {number}\nradius = {radius}\nvalues = {{ Z = {number} }}\n");
     }
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("remembers/machine.toml", text);
     files.insert("remembers/declare.mac", "DECLAR/GLOBAL,REAL,RUN=1\n");
     files.insert("remembers/issue.mac", "EXEC/NOW,'H6 D4'\n");
@@ -262,7 +262,7 @@ fn machine() -> Arc<Machine> {
 
 /// Steps block by block.
 #[derive(Default)]
-struct Steps(Mutex<Vec<Report>>);
+struct Steps(Mutex<Vec<StepReport>>);
 
 impl Console for Steps {
     fn has_news(&self) -> bool {
@@ -274,11 +274,11 @@ impl Console for Steps {
     }
 
     fn wait(&self, _at_most: Duration) -> Heard {
-        Heard::Command(Command::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into })
+        Heard::Command(StepCommand::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into })
     }
 
-    fn say(&self, said: Said) {
-        if let Said::Stopped(report) = said {
+    fn say(&self, said: StepReply) {
+        if let StepReply::Stopped(report) = said {
             self.0.lock().unwrap().push(report);
         }
     }
@@ -290,7 +290,7 @@ struct Log {
     files: WrittenFiles,
 }
 
-impl Sink for Log {
+impl LogSink for Log {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
     }
@@ -310,18 +310,18 @@ struct Told {
     summary: Summary,
     events: Vec<Event>,
     printed: String,
-    reports: Vec<Report>,
+    reports: Vec<StepReport>,
 }
 
 fn run(machine: &Arc<Machine>, first: &Made, second: &Made) -> Told {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("first.nc", first.text.as_bytes());
     files.insert("again.nc", second.text.as_bytes());
-    let program = Program { file: "first.nc".into(), number: None, section: None, channel: None };
-    let options = Options { threads: 1, ..Options::default() };
+    let program = ProgramSelection { file: "first.nc".into(), number: None, section: None, channel: None };
+    let options = JobOptions { threads: 1, ..JobOptions::default() };
     let job = Job::prepare(Spec { machine: machine.clone(), programs: vec![program], options }, &files).unwrap();
     let steps = Arc::new(Steps::default());
-    let control = Control::new(1).with_console(steps.clone());
+    let control = JobControl::new(1).with_console(steps.clone());
     let mut log = Log { builder: ResultsBuilder::new(job.info()), events: Vec::new(), files: Vec::new() };
     let outcome = job.run(&files, &control, &mut log);
     let reports = std::mem::take(&mut *steps.0.lock().unwrap());

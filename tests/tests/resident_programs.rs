@@ -1,11 +1,11 @@
 //! Shipped cycles are no programs of the user: a diagnostic, a bar, a tool and a count of blocks name the block that
 //! called the cycle, and the block inside is the origin.
 
-use counterpoint_kernel::job::Outcome;
-use counterpoint_kernel::log::builder::Results;
+use counterpoint_kernel::job::RunEnd;
+use counterpoint_kernel::log::builder::JobResults;
 use counterpoint_kernel::log::event::{self, Kind};
-use counterpoint_kernel::log::summary::{Diagnostic, State};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::{DiagnosticSummary, JobOutcome};
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 
 const SIEMENS: &str = "siemens-mill";
@@ -35,8 +35,8 @@ const CASES: &[(&str, &str, u32, &str)] = &[
     ),
 ];
 
-fn results(machine_name: &str, text: &str) -> (Results, Outcome) {
-    let work = Work::texts(machine(machine_name, ""), &[text], Options::default());
+fn results(machine_name: &str, text: &str) -> (JobResults, RunEnd) {
+    let work = Work::texts(machine(machine_name, ""), &[text], JobOptions::default());
     let (results, outcome, _) = work.results(None).expect("a job");
     (results, outcome)
 }
@@ -46,7 +46,7 @@ fn a_diagnostic_in_a_shipped_cycle_names_the_block_of_the_user() {
     for (machine, text, line, word) in CASES {
         let (results, _) = results(machine, text);
         let found = results.summary.diagnostics.iter().find(|found| found.text.contains(word) || found.severity >= 8);
-        let Some(Diagnostic { file, line: at, block, text: says, origin, .. }) = found else {
+        let Some(DiagnosticSummary { file, line: at, block, text: says, origin, .. }) = found else {
             panic!("no diagnostic: {text}")
         };
         let user = text.lines().nth(*line as usize - 1).unwrap_or_default().trim();
@@ -84,31 +84,32 @@ fn no_diagnostic_of_a_shipped_cycle_is_placed_in_it_whatever_its_arguments() {
 #[test]
 fn blocks_of_shipped_cycles_are_not_counted_and_bars_end_with_the_call() {
     let text = "$TC_DP6[1,1]=2 G0 X0 Y0 Z50\nT1 D1 M6\nS1000 M3 F200\nPOCKET1(10,0,2,-5,,20,10,5,0,0,0)\nX50\nPOCKET1(10,0,2,-5,,20,10,5,0,0,0)\nM30\n";
-    let work = Work::texts(machine(SIEMENS, ""), &[text], Options::default());
+    let work = Work::texts(machine(SIEMENS, ""), &[text], JobOptions::default());
     let done = work.run(None).expect("a job");
-    assert_eq!(done.summary.state, State::Succeeded, "{:?}", done.summary.diagnostics);
+    assert_eq!(done.summary.state, JobOutcome::Succeeded, "{:?}", done.summary.diagnostics);
     let read = done.events.iter().filter(|event| matches!(event.kind, Kind::Block(_))).count();
     assert!(read > 20, "{read}");
     assert_eq!(done.summary.channels[0].blocks, 7);
     let (results, _, _) = work.results(None).expect("results");
     assert_eq!(results.summary.channels[0].blocks, 7);
-    let feeds: Vec<_> = results.timeline.channels[0].bars.iter().filter(|bar| bar.kind == event::Work::Feed).collect();
+    let feeds: Vec<_> =
+        results.timeline.channels[0].bars.iter().filter(|bar| bar.kind == event::WorkClass::Feed).collect();
     assert_eq!(feeds.iter().map(|bar| (bar.line, bar.end_line)).collect::<Vec<_>>(), [(4, 4), (6, 6)]);
 }
 
 #[test]
 fn a_cycle_in_the_folder_of_the_users_machine_is_the_users_program() {
-    use counterpoint_kernel::files::{Files, Memory};
+    use counterpoint_kernel::files::{JobFiles, MemoryFiles};
     use counterpoint_kernel::machine::{load, package};
 
     let shipped = package::shipped();
-    let mut own = Memory::default();
+    let mut own = MemoryFiles::default();
     let family = "siemens-common/resident/cst.dir/sc_levels.spf";
     let content = shipped.read(family).expect("a shipped cycle");
     own.insert(family, [&b"; ours\n"[..], &content].concat());
     let machine = load(&package::Overlay::over_shipped(own), SIEMENS).machine.expect("a machine");
     let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nPOCKET1(10,0,2)\nM30";
-    let (results, _, _) = Work::texts(machine.into(), &[text], Options::default()).results(None).expect("a job");
+    let (results, _, _) = Work::texts(machine.into(), &[text], JobOptions::default()).results(None).expect("a job");
     let found = results.summary.diagnostics.iter().find(|found| found.text.contains("61101")).expect("the alarm");
     assert_eq!((found.file.as_str(), found.origin.is_none()), ("//ICAMFS/cst.dir/sc_levels.spf", true));
 }

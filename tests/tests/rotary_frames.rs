@@ -4,12 +4,13 @@
 //! through both.
 
 use counterpoint_kernel::log::event::{Kind, Position};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, cases, machine};
 
 /// Ends of the moves of a program that ends without a complaint.
 fn ends(name: &str, text: &str) -> Vec<Position> {
-    let options = Options { limits: Limits { blocks: 2_000, ..Limits::default() }, threads: 1, ..Options::default() };
+    let options =
+        JobOptions { limits: JobLimits { blocks: 2_000, ..JobLimits::default() }, threads: 1, ..JobOptions::default() };
     let done = Work::texts(machine(name, ""), &[text.to_owned()], options).run(None).expect("it can be prepared");
     for event in &done.events {
         assert!(!matches!(&event.kind, Kind::Diagnostic(_)), "{event:?} in\n{text}");

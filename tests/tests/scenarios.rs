@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Done, Work, machine, processors};
 use serde::Deserialize;
 
@@ -18,7 +18,7 @@ struct Scenario {
     #[serde(default)]
     files: std::collections::BTreeMap<String, String>,
     #[serde(default)]
-    options: Options,
+    options: JobOptions,
     expect: Expect,
 }
 

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -61,7 +61,7 @@ type Times = BTreeMap<(bool, u32, usize), (i64, i64)>;
 
 fn run(programs: [&str; 2], exchanged: bool) -> (Times, Vec<(bool, u32, u32)>) {
     let texts = if exchanged { [programs[1], programs[0]] } else { programs };
-    let work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, Options::default());
+    let work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, JobOptions::default());
     let done = work.run(None).expect("a job");
     let second = |channel: u16| (channel == 2) != exchanged;
     let mut times = Times::new();
@@ -103,7 +103,7 @@ fn a_long_move_per_revolution_does_not_hold_up_the_log() {
                   G1 X0 F0.2\nM102 P12\nM30\n";
     let follower = "G21 G0 X0 Z5.\nG99\nM101 P12\nG1 Z-28. F0.15\nM102 P12\nM30\n";
     for (texts, threads) in [([driver, follower], 0), ([follower, driver], 0), ([driver, follower], 1)] {
-        let options = Options { threads, ..Options::default() };
+        let options = JobOptions { threads, ..JobOptions::default() };
         let work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, options);
         let done = work.run(None).expect("a job");
         let blocks: u64 = done.summary.channels.iter().map(|channel| channel.blocks).sum();

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Done, Work, cases};
 use proptest::prelude::*;
 
 fn machine() -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     let text = "extends = \"fanuc-2path-lathe-exact\"\n\n[ce]\nname = \"random\"\npreprocessor = \"siemens\"\n\n[format]\n\
                 rws = \"\"\nrws_at = \"none\"\ncomment = [\";\", \"\"]\n\n[[codes]]\nid = \"CODE_LCS_TRANSLATE_ON\"\n\
                 text = \"TRANS\"\n";
@@ -21,8 +21,8 @@ fn machine() -> Arc<Machine> {
 }
 
 fn work(texts: &[impl AsRef<[u8]>], threads: u16) -> Work {
-    let limits = Limits { blocks: 4_000, zero_time_blocks: 2_000, events: 20_000, ..Limits::default() };
-    let mut work = Work::texts(machine(), texts, Options { limits, threads, ..Options::default() });
+    let limits = JobLimits { blocks: 4_000, zero_time_blocks: 2_000, events: 20_000, ..JobLimits::default() };
+    let mut work = Work::texts(machine(), texts, JobOptions { limits, threads, ..JobOptions::default() });
     work.files
         .insert("sub.spf", "PROC SUB(REAL ONE, VAR INT TWO, STRING[5] TEXT=\"a\") SAVE\nTWO=TWO+ONE\nX=ONE\nRET\n");
     work.files.insert("L5.SPF", "G91 X1\nAGAIN: R7=R7+1\nIF R7<3 GOTOB AGAIN\nM17\n");

@@ -6,8 +6,8 @@
 use std::fmt::Write as _;
 
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::log::summary::State;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::log::summary::JobOutcome;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Done, Work, machine};
 
 const MILL: &str = "siemens-mill";
@@ -76,7 +76,7 @@ const ALLOWED: &[(&str, &str)] = &[
 
 fn run(on: &str, program: &str) -> Done {
     let text = if program.contains("_MPF") { format!("{program}\n") } else { format!("{program}\nM30\n") };
-    Work::texts(machine(on, ""), &[text], Options::default()).run(None).expect("the job can be prepared")
+    Work::texts(machine(on, ""), &[text], JobOptions::default()).run(None).expect("the job can be prepared")
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn each_alarm_stops_the_channel_and_names_its_number() {
         let raised = done.summary.diagnostics.iter().find(|one| one.severity >= 8 && one.text.contains(alarm));
         let moved =
             done.events.iter().filter(|event| event.line >= last && matches!(event.kind, Kind::Motion(_))).count();
-        if raised.is_none() || moved > 0 || done.summary.state != State::Failed {
+        if raised.is_none() || moved > 0 || done.summary.state != JobOutcome::Failed {
             let _ = writeln!(wrong, "{alarm} '{program}': {moved} moves, {:?}", done.summary.diagnostics);
         }
     }
@@ -156,7 +156,7 @@ fn what_is_near_to_an_alarm_runs() {
     let mut wrong = String::new();
     for (on, program) in ALLOWED {
         let done = run(on, program);
-        if done.summary.state != State::Succeeded {
+        if done.summary.state != JobOutcome::Succeeded {
             let _ = writeln!(wrong, "'{program}': {:?}", done.summary.diagnostics);
         }
     }

@@ -4,11 +4,11 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::{Kind, MotionKind};
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::Work;
 use proptest::prelude::*;
 
@@ -31,7 +31,7 @@ fn cases() -> ProptestConfig {
 }
 
 fn machine(text: &str) -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     user.insert("spellings/machine.toml", text);
     let loaded = load(&Overlay::new(user, counterpoint_tests::library()), "spellings");
     let findings = format!("{:?}", loaded.findings);
@@ -47,7 +47,7 @@ struct Ran {
 }
 
 fn ran(machine: &Arc<Machine>, text: &str) -> Ran {
-    let work = Work::texts(Arc::clone(machine), &[text], Options::default());
+    let work = Work::texts(Arc::clone(machine), &[text], JobOptions::default());
     let done = work.run(None).expect("the job can be prepared");
     let ends = done.events.iter().filter_map(|event| match &event.kind {
         Kind::Motion(motion) => {

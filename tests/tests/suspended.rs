@@ -7,21 +7,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Stop;
-use counterpoint_kernel::files::{Bytes, Error, Files};
-use counterpoint_kernel::job::{Job, Program, Spec};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::control::StopSignal;
+use counterpoint_kernel::files::{Bytes, FileError, JobFiles};
+use counterpoint_kernel::job::{Job, ProgramSelection, Spec};
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 
 /// Suspends a job at each forced point, and resumes the job from another thread.
 struct Suspender {
-    stop: Stop,
+    stop: StopSignal,
     suspended: Sender<()>,
     count: Arc<AtomicUsize>,
 }
 
 impl Suspender {
-    fn new(stop: &Stop) -> Self {
+    fn new(stop: &StopSignal) -> Self {
         let (suspended, resume) = channel();
         let (stop, count) = (stop.clone(), Arc::new(AtomicUsize::new(0)));
         std::thread::spawn({
@@ -39,7 +39,7 @@ impl Suspender {
 }
 
 /// Resumes the job after each suspension. Threads of the job may go to sleep before or after.
-fn resume_all(stop: &Stop, suspended: &Receiver<()>) {
+fn resume_all(stop: &StopSignal, suspended: &Receiver<()>) {
     while suspended.recv().is_ok() {
         std::thread::yield_now();
         stop.resume();
@@ -57,7 +57,7 @@ fn pair() -> Work {
         text.push_str("M30\n");
         text
     };
-    Work::texts(machine("fanuc-2path-lathe", ""), &[text(1), text(2)], Options::default())
+    Work::texts(machine("fanuc-2path-lathe", ""), &[text(1), text(2)], JobOptions::default())
 }
 
 #[test]
@@ -67,10 +67,10 @@ fn a_job_that_is_suspended_at_its_shared_operations_has_the_same_log() {
         work.options.threads = threads;
         let plain = work.run(None).unwrap();
         assert!(plain.events.len() > 500 && plain.summary.verdict.is_none(), "{:#?}", plain.summary);
-        let stop = Stop::default();
+        let stop = StopSignal::default();
         let suspender = Suspender::new(&stop);
         let count = suspender.count.clone();
-        let with = |control: counterpoint_kernel::control::Control| {
+        let with = |control: counterpoint_kernel::control::JobControl| {
             let suspender = std::sync::Mutex::new(suspender);
             control.with_stop(stop.clone()).with_jitter(move |_| suspender.lock().unwrap().suspend())
         };
@@ -83,10 +83,10 @@ fn a_job_that_is_suspended_at_its_shared_operations_has_the_same_log() {
 
 /// Files that suspend the job at each read.
 #[derive(Debug)]
-struct Suspending<'f, F>(&'f F, Stop);
+struct Suspending<'f, F>(&'f F, StopSignal);
 
-impl<F: Files> Files for Suspending<'_, F> {
-    fn read(&self, path: &str) -> Result<Bytes, Error> {
+impl<F: JobFiles> JobFiles for Suspending<'_, F> {
+    fn read(&self, path: &str) -> Result<Bytes, FileError> {
         self.1.suspend();
         self.0.read(path)
     }
@@ -97,11 +97,15 @@ impl<F: Files> Files for Suspending<'_, F> {
 }
 
 fn long() -> Work {
-    Work::texts(machine("fanuc-mill", ""), &[format!("O1\n{}M30\n", "G1 X1. Y2.\n".repeat(2000))], Options::default())
+    Work::texts(
+        machine("fanuc-mill", ""),
+        &[format!("O1\n{}M30\n", "G1 X1. Y2.\n".repeat(2000))],
+        JobOptions::default(),
+    )
 }
 
 fn spec(work: &Work) -> Spec {
-    let programs = vec![Program { file: "p1.nc".into(), number: None, section: None, channel: None }];
+    let programs = vec![ProgramSelection { file: "p1.nc".into(), number: None, section: None, channel: None }];
     Spec { machine: work.machine.clone(), programs, options: work.options.clone() }
 }
 
@@ -109,7 +113,7 @@ fn spec(work: &Work) -> Spec {
 fn a_preparation_waits_while_it_is_suspended_and_ends_on_a_cancel() {
     let plain = long().info();
     for cancelled in [false, true] {
-        let stop = Stop::default();
+        let stop = StopSignal::default();
         let (done, ended) = channel();
         std::thread::spawn({
             let stop = stop.clone();

@@ -1,7 +1,7 @@
 //! Random tilted planes of three controls and of heads, against rotations that are worked out here.
 
 use counterpoint_kernel::log::event::{Kind, Position};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Work, cases, machine};
 
 type Point = [f64; 3];
@@ -54,7 +54,8 @@ const WIDE: &str = "[[diagnostics]]\nnumber = 2900023\nenable = false\n\n";
 
 /// Ends of the moves of a program that ends without a complaint.
 fn ends(name: &str, overlay: &str, text: &str) -> Vec<Position> {
-    let options = Options { limits: Limits { blocks: 1_000, ..Limits::default() }, threads: 1, ..Options::default() };
+    let options =
+        JobOptions { limits: JobLimits { blocks: 1_000, ..JobLimits::default() }, threads: 1, ..JobOptions::default() };
     let machine = machine(name, &format!("{WIDE}{overlay}"));
     let done = Work::texts(machine, &[text.to_owned()], options).run(None).expect("it can be prepared");
     for event in &done.events {
@@ -360,8 +361,11 @@ fn any_program_with_planes() {
             "[control]\nstops = {stops}\n\n[[tool.offsets]]\nnumber = 1\nvalues = {{ {axis} = 100 }}\nradius = 3\n"
         );
         let run = |threads| {
-            let options =
-                Options { limits: Limits { blocks: 5_000, ..Limits::default() }, threads, ..Options::default() };
+            let options = JobOptions {
+                limits: JobLimits { blocks: 5_000, ..JobLimits::default() },
+                threads,
+                ..JobOptions::default()
+            };
             Work::texts(machine(name, &overlay), &[text.clone()], options).run(None).expect("it can be prepared")
         };
         let (one, many) = (run(1), run(0));

@@ -2,7 +2,7 @@
 //! decimals.
 
 use counterpoint_kernel::log::event::{Kind, MotionKind};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -50,7 +50,7 @@ fn levels(cycle: &str, infeed: u32, times: u32) -> Vec<i64> {
     let text = format!(
         "BEGIN PGM A MM\nTOOL DEF 1 L0 R5\nTOOL CALL 1 Z S1000 F500\nL X0 Y0 Z2 R0 FMAX M3\n{cycle}CYCL CALL\nEND PGM A MM\n"
     );
-    let done = Work::texts(machine("heidenhain-mill", ""), &[&text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(machine("heidenhain-mill", ""), &[&text], JobOptions::default()).run(None).expect("a job");
     assert!(done.summary.diagnostics.is_empty(), "{text}{:?}", done.summary.diagnostics);
     let down = done.events.iter().filter_map(|event| match &event.kind {
         Kind::Motion(motion) if motion.kind != MotionKind::Rapid && motion.to[2] < motion.from[2] - 1e-9 => {

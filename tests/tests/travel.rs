@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
 use counterpoint_kernel::machine::{Machine, package};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, machine};
 use proptest::prelude::*;
 
@@ -47,7 +47,7 @@ fn limited(lathe: bool) -> Arc<Machine> {
 }
 
 fn alarms(lathe: bool, text: &str) -> bool {
-    let done = Work::texts(limited(lathe), &[text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(limited(lathe), &[text], JobOptions::default()).run(None).expect("a job");
     let numbers: Vec<u32> = done.summary.diagnostics.iter().map(|told| told.number).collect();
     assert!(numbers.iter().all(|number| *number == OVER_TRAVEL), "{numbers:?} in {text}");
     !numbers.is_empty()
@@ -55,7 +55,7 @@ fn alarms(lathe: bool, text: &str) -> bool {
 
 /// The first message of a program.
 fn message(name: &str, more: &str, text: &str) -> String {
-    let done = Work::texts(machine(name, more), &[text], Options::default()).run(None).expect("a job");
+    let done = Work::texts(machine(name, more), &[text], JobOptions::default()).run(None).expect("a job");
     done.summary.diagnostics.first().map(|told| told.text.clone()).unwrap_or_default()
 }
 

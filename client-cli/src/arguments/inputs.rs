@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::encoding::Encoding;
-use crate::settings::Setting;
+use crate::settings::MachineSetting;
 
 /// Inputs of a job.
 #[derive(Debug, Args)]
@@ -53,7 +53,7 @@ pub(crate) struct Inputs {
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) operator: Attended,
+    pub(crate) operator: OperatorFlags,
     /// Stop the run at the end of the block in which this simulated time, in seconds, is exceeded [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
@@ -106,7 +106,7 @@ pub(crate) struct On {
     /// which programs begin (inch or mm); `system=B`, the G-code system of a lathe (A, B or C); `shared=500-549`,
     /// common variables that all channels share; `warn.2900680=off`, a warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
-    pub(crate) set: Vec<Setting>,
+    pub(crate) set: Vec<MachineSetting>,
     /// Read tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file
     /// with a column `number`
     #[arg(long, value_name = "FILE")]
@@ -128,7 +128,7 @@ impl Inputs {
             trace: String::new(),
             param: String::new(),
             answers: None,
-            operator: Attended::default(),
+            operator: OperatorFlags::default(),
             max_time: None,
             max_blocks: None,
             max_memory: None,
@@ -138,7 +138,7 @@ impl Inputs {
 
 /// Actions of the operator while the job runs.
 #[derive(Debug, Clone, Copy, Default, Args)]
-pub(crate) struct Attended {
+pub(crate) struct OperatorFlags {
     /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
     /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
     #[arg(long)]
@@ -154,7 +154,7 @@ pub(crate) struct Attended {
 pub(crate) struct Switches {
     /// Set optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
-    pub(crate) opskip: Levels,
+    pub(crate) opskip: SkipLevels,
     /// Stop at optional stops (M1)
     #[arg(long)]
     pub(crate) opstop: bool,
@@ -182,17 +182,17 @@ pub(crate) enum Timing {
 
 /// Levels of optional block skip, 0 for marks without a digit.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Levels(pub(crate) Vec<u32>);
+pub(crate) struct SkipLevels(pub(crate) Vec<u32>);
 
-pub(super) fn levels(text: &str) -> Result<Levels, String> {
+pub(super) fn levels(text: &str) -> Result<SkipLevels, String> {
     match text {
-        "off" => return Ok(Levels::default()),
-        "on" => return Ok(Levels(vec![0])),
+        "off" => return Ok(SkipLevels::default()),
+        "on" => return Ok(SkipLevels(vec![0])),
         _ => {}
     }
     let level = |part: &str| part.trim().parse().ok().filter(|level| (1..=9).contains(level));
     let all: Option<Vec<u32>> = text.split(',').map(level).collect();
-    all.map(Levels).ok_or_else(|| "expected off, on, or a list of levels from 1 to 9 such as 1,3".to_owned())
+    all.map(SkipLevels).ok_or_else(|| "expected off, on, or a list of levels from 1 to 9 such as 1,3".to_owned())
 }
 
 /// A time in seconds above zero.

@@ -17,16 +17,16 @@ pub(crate) struct RequestArgs {
     pub(crate) labels: Vec<(String, String)>,
     /// Set the priority of the job among your own jobs
     #[arg(long, value_enum)]
-    pub(crate) priority: Option<Priority>,
+    pub(crate) priority: Option<JobPriority>,
     /// Stop the job if it has not ended by this time: a time from now (90s, 30m, 2h), a date
     /// (2026-11-29T12:30:00Z) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
-    pub(crate) deadline: Option<When>,
+    pub(crate) deadline: Option<TimePoint>,
 }
 
 /// Priorities of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Priority {
+pub(crate) enum JobPriority {
     Low,
     Normal,
     High,
@@ -34,7 +34,7 @@ pub(crate) enum Priority {
 
 /// A time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum When {
+pub(crate) enum TimePoint {
     /// This many milliseconds from or before now.
     Span(i64),
     /// Milliseconds since 1970.
@@ -52,7 +52,7 @@ fn label(text: &str) -> Result<(String, String), String> {
     Ok((key.to_owned(), value.to_owned()))
 }
 
-fn span_or_time(text: &str) -> Result<When, String> {
+fn span_or_time(text: &str) -> Result<TimePoint, String> {
     let wrong = || {
         "expected a number with s, m, h or d (90s, 30m, 2h), a date (2026-11-29 or 2026-11-29T12:30:00Z, UTC), or @ \
          and seconds since 1970"
@@ -63,15 +63,15 @@ fn span_or_time(text: &str) -> Result<When, String> {
         value.checked_mul(unit).filter(|ms| *ms > 0).ok_or_else(wrong)
     };
     if let Some(seconds) = text.strip_prefix('@') {
-        return number(seconds, 1000).map(When::At);
+        return number(seconds, 1000).map(TimePoint::At);
     }
     if text.contains('-') {
-        return from_iso(text).filter(|ms| *ms > 0).map(When::At).ok_or_else(wrong);
+        return from_iso(text).filter(|ms| *ms > 0).map(TimePoint::At).ok_or_else(wrong);
     }
     let units = [('s', 1000), ('m', 60_000), ('h', 3_600_000), ('d', 86_400_000)];
     let found = units.iter().find_map(|(unit, ms)| Some((text.strip_suffix(*unit)?, *ms)));
     let (digits, ms) = found.ok_or_else(wrong)?;
-    number(digits, ms).map(When::Span)
+    number(digits, ms).map(TimePoint::Span)
 }
 
 #[derive(Debug, Args)]
@@ -92,7 +92,7 @@ pub(crate) struct Rerun {
 pub(crate) struct JobFilter {
     /// Select only jobs in these states
     #[arg(long, value_enum, value_delimiter = ',')]
-    pub(crate) state: Vec<State>,
+    pub(crate) state: Vec<StateFilter>,
     /// Select only jobs for this machine, a name or NAME@REVISION
     #[arg(long, value_name = "NAME", value_parser = filled)]
     pub(crate) machine: Option<String>,
@@ -102,11 +102,11 @@ pub(crate) struct JobFilter {
     /// Select only jobs accepted since this time: a time before now (90s, 30m, 2h, 7d), a date
     /// (2026-11-29) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
-    pub(crate) since: Option<When>,
+    pub(crate) since: Option<TimePoint>,
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Watch {
+pub(crate) struct WatchArgs {
     /// Id of the job, or a prefix of it
     #[arg(required_unless_present = "all")]
     pub(crate) job: Option<String>,
@@ -129,7 +129,7 @@ pub(crate) struct Watch {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Jobs {
+pub(crate) struct JobListArgs {
     #[command(flatten)]
     pub(crate) remote: Remote,
     #[command(flatten)]
@@ -152,7 +152,7 @@ pub(crate) struct Jobs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Status {
+pub(crate) struct StatusArgs {
     /// Id of the job, or a prefix of it
     pub(crate) job: String,
     /// Print JSON
@@ -171,7 +171,7 @@ const AWAITED: [&str; 6] = ["jobs", "state", "machine", "labels", "since", "all"
 /// The jobs to wait for.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("awaited").args(AWAITED).required(true).multiple(true))]
-pub(crate) struct Wait {
+pub(crate) struct WaitArgs {
     /// Ids of the jobs, or prefixes of them
     #[arg(value_name = "JOB", conflicts_with_all = ["state", "machine", "labels", "since", "all"])]
     pub(crate) jobs: Vec<String>,
@@ -223,7 +223,7 @@ pub(crate) struct Many {
 
 /// States to filter by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum State {
+pub(crate) enum StateFilter {
     /// Waiting for a worker, or held back
     Queued,
     /// Held back by `pause`
@@ -240,16 +240,16 @@ mod tests {
 
     #[test]
     fn times_and_labels_are_read() {
-        assert_eq!(span_or_time("90s"), Ok(When::Span(90_000)));
-        assert_eq!(span_or_time("2h"), Ok(When::Span(7_200_000)));
-        assert_eq!(span_or_time("@1798761600"), Ok(When::At(1_798_761_600_000)));
+        assert_eq!(span_or_time("90s"), Ok(TimePoint::Span(90_000)));
+        assert_eq!(span_or_time("2h"), Ok(TimePoint::Span(7_200_000)));
+        assert_eq!(span_or_time("@1798761600"), Ok(TimePoint::At(1_798_761_600_000)));
         for (text, seconds) in [
             ("2027-01-01", 1_798_761_600),
             ("2027-01-01T00:00:30Z", 1_798_761_630),
             ("2027-01-01 00:01", 1_798_761_660),
             ("2027-01-01T01:00:00+01:00", 1_798_761_600),
         ] {
-            assert_eq!(span_or_time(text), Ok(When::At(seconds * 1000)), "{text}");
+            assert_eq!(span_or_time(text), Ok(TimePoint::At(seconds * 1000)), "{text}");
         }
         for wrong in ["2027-13-01", "2027-01-01T", "2027-1-1", "2027-01-01T25:00", "1969-01-01"] {
             assert!(span_or_time(wrong).is_err(), "{wrong}");

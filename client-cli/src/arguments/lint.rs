@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::inputs::levels;
-use super::{Inputs, Levels, On, ProgramFiles, Switches};
+use super::{Inputs, On, ProgramFiles, SkipLevels, Switches};
 
 #[derive(Debug, Args)]
 pub(crate) struct Lint {
@@ -17,7 +17,7 @@ pub(crate) struct Lint {
     files: ProgramFiles,
     /// Set optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
-    opskip: Levels,
+    opskip: SkipLevels,
     /// Let these channels pass every sync point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     ignore_waits: Vec<u32>,

@@ -25,7 +25,7 @@ Examples:
   counterpoint machine edit ./my-mill - < part.nc";
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Machine {
+pub(crate) enum MachineCommand {
     /// Check a machine and print findings with file, line and column
     Check {
         /// Name of a machine, or a folder with machine.toml
@@ -34,7 +34,7 @@ pub(crate) enum Machine {
         #[arg(long)]
         json: bool,
         #[command(flatten)]
-        at: At,
+        at: MachineSource,
     },
     /// Write a folder for your own machine, based on a shipped machine
     New {
@@ -50,7 +50,7 @@ pub(crate) enum Machine {
         #[arg(long)]
         json: bool,
         #[command(flatten)]
-        at: At,
+        at: MachineSource,
     },
     /// Delete a machine of a server with all its revisions; jobs keep the revision with which they were submitted
     Delete {
@@ -66,14 +66,14 @@ pub(crate) enum Machine {
         machine: String,
         /// Show only this part
         #[arg(value_enum, default_value = "all")]
-        part: Part,
+        part: MachinePart,
         #[command(flatten)]
-        rows: Rows,
+        rows: RowSelection,
         /// Print JSON
         #[arg(long)]
         json: bool,
         #[command(flatten)]
-        at: At,
+        at: MachineSource,
     },
     /// Compare the definitions of two machines, section by section and row by row
     #[command(after_help = DIFF_EXAMPLES)]
@@ -105,7 +105,7 @@ pub(crate) enum Machine {
 
 /// Choice and order of the table rows.
 #[derive(Debug, Default, Args)]
-pub(crate) struct Rows {
+pub(crate) struct RowSelection {
     /// Sort the rows by a column of the table, such as word, code, order, group, name or file
     #[arg(long, value_name = "COLUMN", value_parser = filled)]
     pub(crate) sort: Option<String>,
@@ -120,13 +120,13 @@ pub(crate) struct Rows {
 
 /// A server, or this program itself.
 #[derive(Debug, Args)]
-pub(crate) struct At {
+pub(crate) struct MachineSource {
     /// Use the machines of this server instead of the shipped machines
     #[arg(long, env = "COUNTERPOINT_SERVER", value_name = "URL")]
     pub(crate) server: Option<String>,
 }
 
-impl At {
+impl MachineSource {
     /// The address of the server; an empty variable counts as absent.
     pub(crate) fn address(&self) -> Option<&str> {
         self.server.as_deref().filter(|address| !address.is_empty())
@@ -135,7 +135,7 @@ impl At {
 
 /// Parts of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Part {
+pub(crate) enum MachinePart {
     All,
     Codes,
     Data,

@@ -13,7 +13,7 @@ const ACCELERATION: f64 = 2000.0;
 
 /// A datum.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Datum {
+pub(crate) enum FitParameter {
     /// Acceleration of an axis, units per second squared.
     Acceleration(AxisId),
     /// Rapid rate of an axis, units per minute.
@@ -30,7 +30,7 @@ pub(crate) enum Datum {
     M(u32, CodeRowId),
 }
 
-impl Datum {
+impl FitParameter {
     /// The data that the events of a run depend on.
     pub(crate) fn of(machine: &Machine, channel: u16, events: &[Event]) -> Vec<Self> {
         let mut all = Vec::new();
@@ -120,7 +120,7 @@ impl Datum {
 
     /// Where the fit begins.
     pub(crate) fn start(&self, machine: &Machine) -> f64 {
-        let inch = machine.unit == counterpoint_kernel::event::info::Unit::Inch;
+        let inch = machine.unit == counterpoint_kernel::event::info::MachineUnit::Inch;
         let length = if inch { 1.0 / 25.4 } else { 1.0 };
         self.value(machine).unwrap_or(match self {
             Self::Acceleration(axis) if !machine.axes[*axis].role.is_rotary() => ACCELERATION * length,

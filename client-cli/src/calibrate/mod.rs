@@ -15,20 +15,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::JobControl;
 use counterpoint_kernel::event::event::Event;
-use counterpoint_kernel::files::{Files as _, Memory};
-use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::files::{JobFiles as _, MemoryFiles};
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, RunEnd, Spec};
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use nalgebra::DVector;
 
 use crate::arguments::Calibrate;
 use crate::error::Error;
-use crate::pack::{self, Files};
+use crate::pack::{self, PackedFiles};
 use crate::{changed_machine, machine_folder, own_machine, say};
-use data::Datum;
+use data::FitParameter;
 use measured::Lines;
 
 /// Smallest value of a datum that is above zero, as its logarithm.
@@ -43,8 +43,8 @@ const NAMED: usize = 5;
 /// Programs and files of the runs, and the measured times.
 struct Trial {
     machine: Machine,
-    programs: Vec<Program>,
-    files: Memory,
+    programs: Vec<ProgramSelection>,
+    files: MemoryFiles,
     channel: u16,
     lines: Lines,
 }
@@ -52,7 +52,7 @@ struct Trial {
 /// A datum with its values.
 #[derive(Debug)]
 struct Fitted {
-    datum: Datum,
+    datum: FitParameter,
     before: Option<f64>,
     /// The fitted value with its standard error, if the measurements determine the datum; otherwise it is unchanged.
     fitted: Option<(f64, f64)>,
@@ -112,8 +112,8 @@ fn write(folder: &Path, from: &str, machine: &Machine, calibration: &Calibration
 impl Trial {
     fn new(arguments: &Calibrate, lines: Lines) -> Result<Self, Error> {
         let (name, machine) = changed_machine::machine(&arguments.machine, &[])?;
-        let Files(packed) = machine;
-        let mut files = Memory::default();
+        let PackedFiles(packed) = machine;
+        let mut files = MemoryFiles::default();
         for (path, blob) in packed {
             files.insert(path, blob.content());
         }
@@ -127,11 +127,11 @@ impl Trial {
             return Err(Error::Usage(format!("machine '{}' has no channel {}", arguments.machine, arguments.channel)));
         }
         let packed = pack::job(&arguments.inputs())?;
-        let mut files = Memory::default();
+        let mut files = MemoryFiles::default();
         for (path, blob) in packed.files.0 {
             files.insert(path, blob.content());
         }
-        let program = |program: counterpoint_proto::v1::Program| Program {
+        let program = |program: counterpoint_proto::v1::Program| ProgramSelection {
             file: program.path,
             number: program.number,
             section: program.section,
@@ -149,8 +149,8 @@ impl Trial {
         let text = self.files.read(file).map(|text| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
         let texts: Vec<&str> = text.lines().collect();
         let measured = self.lines.keys().filter_map(|line| texts.get((*line as usize).checked_sub(1)?).copied());
-        let mut data = Datum::of(&self.machine, self.channel, &events);
-        data.extend(Datum::of_codes(&self.machine, measured));
+        let mut data = FitParameter::of(&self.machine, self.channel, &events);
+        data.extend(FitParameter::of_codes(&self.machine, measured));
         let started = self.with(&data, &data.iter().map(|datum| self.parameter(datum)).collect::<Vec<_>>());
         let untouched = self.differences(&self.seconds(&self.run(started)?));
         // A datum that changes no measured line cannot be fitted.
@@ -158,10 +158,10 @@ impl Trial {
         for datum in data {
             let start = self.parameter(&datum);
             let step = if datum.is_factor() { 0.5 } else { 0.1 };
-            let mut all: Vec<(Datum, f64)> =
-                kept.iter().map(|datum| (Datum::clone(datum), self.parameter(datum))).collect();
+            let mut all: Vec<(FitParameter, f64)> =
+                kept.iter().map(|datum| (FitParameter::clone(datum), self.parameter(datum))).collect();
             all.push((datum.clone(), start + step));
-            let (data, values): (Vec<Datum>, Vec<f64>) = all.into_iter().unzip();
+            let (data, values): (Vec<FitParameter>, Vec<f64>) = all.into_iter().unzip();
             let moved = self.differences(&self.seconds(&self.run(self.with(&data, &values))?));
             if (moved - &untouched).amax() > 1e-9 {
                 kept.push(datum);
@@ -184,7 +184,7 @@ impl Trial {
                 Ok::<_, Error>(self.differences(&self.seconds(&self.run(self.with(&kept, values))?)))
             })?;
             let found = kept.iter().zip(&fit.values).zip(&fit.errors);
-            let is_open = |((datum, value), error): ((&Datum, &f64), &Option<f64>)| {
+            let is_open = |((datum, value), error): ((&FitParameter, &f64), &Option<f64>)| {
                 let value = actual(datum, *value);
                 let error = error.map(|error| if datum.is_factor() { error * value } else { error });
                 !value.is_finite() || value > MOST || !error.is_some_and(f64::is_finite)
@@ -200,7 +200,7 @@ impl Trial {
             let error = error.map(|error| if datum.is_factor() { error * after } else { error });
             Fitted { before: datum.value(&self.machine), fitted: error.map(|error| (after, error)), datum }
         });
-        let unchanged = |datum: Datum| Fitted { before: datum.value(&self.machine), fitted: None, datum };
+        let unchanged = |datum: FitParameter| Fitted { before: datum.value(&self.machine), fitted: None, datum };
         let data = found.chain(open.into_iter().rev().map(unchanged));
         let of = |times: &BTreeMap<u32, f64>, line: &u32| times.get(line).copied().unwrap_or(0.0);
         let lines = self.lines.iter().map(|(line, seconds)| (*line, [*seconds, of(&before, line), of(&after, line)]));
@@ -208,13 +208,13 @@ impl Trial {
     }
 
     /// A datum as it is fitted.
-    fn parameter(&self, datum: &Datum) -> f64 {
+    fn parameter(&self, datum: &FitParameter) -> f64 {
         let value = datum.start(&self.machine);
         if datum.is_factor() { value.max(1e-6).ln() } else { value }
     }
 
     /// The machine with other data.
-    fn with(&self, data: &[Datum], values: &[f64]) -> Machine {
+    fn with(&self, data: &[FitParameter], values: &[f64]) -> Machine {
         let mut machine = self.machine.clone();
         for (datum, value) in data.iter().zip(values) {
             datum.put(&mut machine, actual(datum, *value));
@@ -223,12 +223,12 @@ impl Trial {
     }
 
     fn run(&self, machine: Machine) -> Result<Vec<Event>, Error> {
-        let control = Control::new(machine.channels.len());
-        let options = Options { threads: 1, ..Options::default() };
+        let control = JobControl::new(machine.channels.len());
+        let options = JobOptions { threads: 1, ..JobOptions::default() };
         let spec = Spec { machine: Arc::new(machine), programs: self.programs.clone(), options };
         let job = Job::prepare(spec, &self.files).map_err(|error| Error::Usage(error.to_string()))?;
         let mut sink = Timed { channel: self.channel, events: Vec::new() };
-        let outcome: Outcome = job.run(&self.files, &control, &mut sink);
+        let outcome: RunEnd = job.run(&self.files, &control, &mut sink);
         if outcome.cancelled {
             return Err(Error::Usage("the run was cancelled".to_owned()));
         }
@@ -254,7 +254,7 @@ impl Trial {
 }
 
 /// The value of a datum from its fitted parameter.
-fn actual(datum: &Datum, value: f64) -> f64 {
+fn actual(datum: &FitParameter, value: f64) -> f64 {
     if datum.is_factor() { value.max(LEAST).exp() } else { value.max(0.0) }
 }
 
@@ -264,7 +264,7 @@ struct Timed {
     events: Vec<Event>,
 }
 
-impl Sink for Timed {
+impl LogSink for Timed {
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
         self.events.extend(batch.iter().filter(|event| event.channel == self.channel).cloned());
         true

@@ -6,7 +6,7 @@ use counterpoint_kernel::machine::Machine;
 use serde_json::json;
 use toml_edit::{DocumentMut, Item, Table, value};
 
-use super::data::Datum;
+use super::data::FitParameter;
 use super::{Calibration, Fitted};
 use crate::error::Error;
 use crate::text::{more, table};
@@ -148,14 +148,19 @@ pub(super) fn definition(text: &str, machine: &Machine, calibration: &Calibratio
         let Some((after, _)) = *fitted else { continue };
         let fitted = value(number(after).parse::<f64>().unwrap_or(after));
         match datum {
-            Datum::Acceleration(axis) => on_axis(&mut document, &machine.axes[*axis].name, "acceleration", fitted),
-            Datum::Rapid(axis) => on_axis(&mut document, &machine.axes[*axis].name, "rapid", fitted),
-            Datum::CornerDeviation | Datum::BlockTime | Datum::ToolChange | Datum::ToolStep => {
+            FitParameter::Acceleration(axis) => {
+                on_axis(&mut document, &machine.axes[*axis].name, "acceleration", fitted)
+            }
+            FitParameter::Rapid(axis) => on_axis(&mut document, &machine.axes[*axis].name, "rapid", fitted),
+            FitParameter::CornerDeviation
+            | FitParameter::BlockTime
+            | FitParameter::ToolChange
+            | FitParameter::ToolStep => {
                 if let Some(time) = time(&mut document) {
                     time.insert(&datum.name(machine), fitted);
                 }
             }
-            Datum::M(m, _) => {
+            FitParameter::M(m, _) => {
                 let codes =
                     time(&mut document).map(|time| time.entry("m_codes").or_insert_with(|| Item::Table(Table::new())));
                 if let Some(codes) = codes.and_then(Item::as_table_like_mut) {

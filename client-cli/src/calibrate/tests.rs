@@ -7,13 +7,13 @@ const PROGRAM: &str = "G17 G21 G90 G94\nT1 M6\nG0 X0 Y0 Z10.\nM8\nG1 Z0 F600\nX4
 
 /// A trial with the times that a machine takes.
 fn trial(change: impl FnOnce(&mut Machine)) -> Trial {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("part.nc".to_owned(), PROGRAM);
-    let loaded = load(&Overlay::over_shipped(Memory::default()), "fanuc-mill");
+    let loaded = load(&Overlay::over_shipped(MemoryFiles::default()), "fanuc-mill");
     let machine = loaded.machine.unwrap();
     let mut real = machine.clone();
     change(&mut real);
-    let programs = vec![Program { file: "part.nc".to_owned(), number: None, section: None, channel: None }];
+    let programs = vec![ProgramSelection { file: "part.nc".to_owned(), number: None, section: None, channel: None }];
     let mut trial = Trial { machine, programs, files, channel: 1, lines: Lines::new() };
     let seconds = trial.seconds(&trial.run(real).unwrap());
     trial.lines = seconds.into_iter().filter(|(_, seconds)| *seconds > 0.0).collect();
@@ -59,9 +59,9 @@ fn a_definition_has_what_was_fitted() {
     let row = trial.machine.codes.ids().next().unwrap();
     let fitted = |datum, after| Fitted { datum, before: None, fitted: Some((after, 0.1)) };
     let data = vec![
-        fitted(Datum::Acceleration(axis), 3123.456),
-        fitted(Datum::ToolChange, 3.5),
-        fitted(Datum::M(8, row), 0.25),
+        fitted(FitParameter::Acceleration(axis), 3123.456),
+        fitted(FitParameter::ToolChange, 3.5),
+        fitted(FitParameter::M(8, row), 0.25),
     ];
     let calibration = Calibration { data, lines: Vec::new() };
     let text = "[time]\ntool_change = 0\n\n[[axes]]\nname = \"X\"\nrapid = 1\n";

@@ -1,6 +1,6 @@
 //! The unit in which the programs of a machine begin, as lines of a definition.
 
-use counterpoint_kernel::log::info::Unit;
+use counterpoint_kernel::log::info::MachineUnit;
 
 use crate::error::Error;
 
@@ -9,9 +9,9 @@ const CODES: [&str; 3] = ["CODE_UNITS_PRIMARY", "CODE_UNITS_SECONDARY", "CODE_UN
 
 /// The line `initial` of a machine that begins in the wanted unit. `tables` are the definitions of the machine and of
 /// its families, the nearest first.
-pub(super) fn initial(machine: &str, tables: &[toml::Table], wanted: Unit) -> Result<String, Error> {
+pub(super) fn initial(machine: &str, tables: &[toml::Table], wanted: MachineUnit) -> Result<String, Error> {
     let own = tables.iter().find_map(|table| table.get("ce")?.get("units")?.as_str());
-    let unit = if own == Some("inch") { Unit::Inch } else { Unit::Mm };
+    let unit = if own == Some("inch") { MachineUnit::Inch } else { MachineUnit::Mm };
     let code = if unit == wanted { has(tables, &CODES[..1]) } else { has(tables, &CODES[1..]) };
     let (Some(code), Some(_), Some(_)) = (code, has(tables, &CODES[..1]), has(tables, &CODES[1..])) else {
         return Err(Error::Usage(format!(

@@ -12,7 +12,7 @@ use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_kernel::machine::tables::form_range;
 use serde_json::{Value, json};
 
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 
 use super::register;
 use super::related::{macros, of_code, refusals};

@@ -3,18 +3,18 @@
 //! *Invariant:* a component is shown as one with the word only if its tables have the word, unless no component has it
 //! there; the pages of a control name the words of all its machines.
 
-use counterpoint_kernel::machine::{DefinedComponent, Definition, DefinitionRow};
+use counterpoint_kernel::machine::{DefinedComponent, DefinitionRow, WrittenDefinition};
 use serde_json::{Value, json};
 
-use super::{Subject, trial};
-use crate::fields::Fields as _;
+use super::{ExplainedMachine, trial};
+use crate::fields::JsonFields as _;
 use crate::local_machine::LocalMachine;
 
 /// Sections of the composite that explain words of all its components.
 const SHARED: [&str; 2] = ["waits", "tool.names"];
 
 /// The words on the components that have them, each with its `component`; then the components that lack them.
-pub(super) fn words(composite: &Subject, asked: &str) -> Vec<Value> {
+pub(super) fn words(composite: &ExplainedMachine, asked: &str) -> Vec<Value> {
     let subjects = subjects(composite);
     let mut found: Vec<(&str, Vec<Value>)> =
         subjects.iter().map(|(designator, subject)| (*designator, subject.looked_up(asked))).collect();
@@ -67,10 +67,10 @@ fn is_in_tables(word: &Value) -> bool {
 }
 
 /// The components as machines with pages and tables of their own.
-pub(super) fn subjects(composite: &Subject) -> Vec<(&str, Subject)> {
+pub(super) fn subjects(composite: &ExplainedMachine) -> Vec<(&str, ExplainedMachine)> {
     let all = composite.machine.components.iter().zip(&composite.definition.components);
     all.map(|(component, defined)| {
-        let subject = Subject {
+        let subject = ExplainedMachine {
             machine: (*component.machine).clone(),
             local: LocalMachine { name: composite.local.name.clone(), files: composite.local.files.clone() },
             definition: definition(defined, &composite.definition),
@@ -82,7 +82,7 @@ pub(super) fn subjects(composite: &Subject) -> Vec<(&str, Subject)> {
 }
 
 /// Definition of a component with the rows that the composite shares.
-fn definition(component: &DefinedComponent, composite: &Definition) -> Definition {
+fn definition(component: &DefinedComponent, composite: &WrittenDefinition) -> WrittenDefinition {
     let mut definition = component.definition.clone();
     let shared = composite.rows.iter().filter(|row: &&DefinitionRow| SHARED.contains(&row.section.as_str()));
     definition.rows.extend(shared.cloned());

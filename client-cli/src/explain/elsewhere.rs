@@ -8,8 +8,8 @@ use counterpoint_kernel::machine::show;
 use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
-use super::{Subject, components, programs, words};
-use crate::fields::Fields as _;
+use super::{ExplainedMachine, components, programs, words};
+use crate::fields::JsonFields as _;
 use crate::local_machine::{self, LocalMachine};
 
 /// Shipped machines that have the word, by the kind of word, without the machine `not`.
@@ -25,9 +25,9 @@ pub(super) fn machines(word: &str, not: Option<&str>) -> Vec<Value> {
         let local = LocalMachine::shipped(&name);
         let definition = local.definition().ok()?;
         let own = name.clone();
-        Some((name, Subject { machine, local, definition, own }))
+        Some((name, ExplainedMachine { machine, local, definition, own }))
     });
-    let all: Vec<(String, Subject)> = all.collect();
+    let all: Vec<(String, ExplainedMachine)> = all.collect();
     grouped(all.iter().map(|(name, subject)| {
         let mut kinds: Vec<String> = match subject.machine.components.is_empty() {
             true => described(subject, word),
@@ -63,7 +63,7 @@ fn grouped<'m>(all: impl Iterator<Item = (&'m str, Vec<String>)>) -> Vec<Value> 
 }
 
 /// Mentions of a text in the whole definition of a machine and in the pages of its control.
-fn described(subject: &Subject, asked: &str) -> Vec<String> {
+fn described(subject: &ExplainedMachine, asked: &str) -> Vec<String> {
     let words = subject.looked_up(asked);
     if words.iter().any(|word| word.at("known") == false) {
         return Vec::new();

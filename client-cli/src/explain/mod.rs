@@ -17,16 +17,16 @@ mod words;
 
 use counterpoint_kernel::machine::index::{CodeRowId, DataRowId};
 use counterpoint_kernel::machine::show;
-use counterpoint_kernel::machine::{Definition, DefinitionKey, Machine};
+use counterpoint_kernel::machine::{DefinitionKey, Machine, WrittenDefinition};
 use counterpoint_kernel::tape;
 use serde_json::{Value, json};
 
 use crate::arguments::Explain;
 use crate::error::Error;
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 use crate::local_machine::LocalMachine;
 use crate::{macros, say};
-use words::Found;
+use words::WordMeaning;
 
 /// Explains the words of the command line.
 pub(crate) fn explain(arguments: &Explain) -> Result<u8, Error> {
@@ -63,16 +63,16 @@ fn anywhere(asked: &str, json: bool) -> Result<u8, Error> {
 }
 
 /// A machine, or a component of a composite, with the pages and tables that explain its words.
-struct Subject {
+struct ExplainedMachine {
     machine: Machine,
     local: LocalMachine,
-    definition: Definition,
+    definition: WrittenDefinition,
     /// Folder of the machine, also of the composite of a component.
     own: String,
 }
 
 fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
-    let subject = Subject::of(LocalMachine::open(name)?)?;
+    let subject = ExplainedMachine::of(LocalMachine::open(name)?)?;
     let words =
         if subject.machine.components.is_empty() { subject.words(asked) } else { components::words(&subject, asked) };
     let known = words.iter().all(|word| word.at("known") == true || word.at("elsewhere") == true);
@@ -95,7 +95,7 @@ fn print(value: &Value, json: bool) -> Result<(), Error> {
     say::data(text::text(value).as_bytes())
 }
 
-impl Subject {
+impl ExplainedMachine {
     fn of(local: LocalMachine) -> Result<Self, Error> {
         let (machine, definition) = (local.load()?, local.definition()?);
         let own = definition.chain.first().cloned().unwrap_or_default();
@@ -189,7 +189,7 @@ impl Subject {
         value
     }
 
-    fn codes(&self, found: &Found) -> Value {
+    fn codes(&self, found: &WordMeaning) -> Value {
         let codes = found.codes.iter().map(|id| {
             let mut value = code::code(&self.machine, *id);
             self.place_macros(&mut value);
@@ -200,7 +200,7 @@ impl Subject {
     }
 
     /// The register of a word other than a code.
-    fn register(&self, found: &Found, before: &[CodeRowId]) -> Value {
+    fn register(&self, found: &WordMeaning, before: &[CodeRowId]) -> Value {
         if !found.codes.is_empty() && found.register.is_some_and(|(_, value)| value.is_some()) {
             return Value::Null;
         }
@@ -263,7 +263,8 @@ impl Subject {
 
     /// Numbers of the programs that the word calls.
     fn called_numbers(&self, asked: &str) -> Vec<u32> {
-        let Some(Found { register: Some((register, Some(value))), .. }) = words::register_of(&self.machine, asked)
+        let Some(WordMeaning { register: Some((register, Some(value))), .. }) =
+            words::register_of(&self.machine, asked)
         else {
             return Vec::new();
         };
@@ -273,7 +274,8 @@ impl Subject {
 
     /// Rows of `[[subprograms.calls]]` that contain the word.
     fn called(&self, asked: &str) -> Vec<Value> {
-        let Some(Found { register: Some((register, value)), .. }) = words::register_of(&self.machine, asked) else {
+        let Some(WordMeaning { register: Some((register, value)), .. }) = words::register_of(&self.machine, asked)
+        else {
             return Vec::new();
         };
         let calls = self.machine.subprograms.calls.iter().filter(|call| {
@@ -354,7 +356,8 @@ mod tests {
     #[test]
     fn every_alarm_is_explained_on_a_machine_with_its_meaning() {
         for machine in ["fanuc-lathe", "siemens-mill"] {
-            let subject = Subject::of(LocalMachine::shipped(machine)).unwrap_or_else(|error| panic!("{error}"));
+            let subject =
+                ExplainedMachine::of(LocalMachine::shipped(machine)).unwrap_or_else(|error| panic!("{error}"));
             for (alarm, about, _) in macros::alarm_rows() {
                 let words = subject.looked_up(&alarm);
                 let page = words[0].at("diagnostic").at("page").as_str().unwrap_or_default();

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* only whole words are found: G76 is not G76.1, and SETMS is not SETMSX.
 
-use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::files::JobFiles as _;
 use counterpoint_kernel::machine::Machine;
 use include_dir::{Dir, include_dir};
 use serde_json::{Value, json};

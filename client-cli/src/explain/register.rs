@@ -5,7 +5,7 @@
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::ident::{meaning, takes};
 use counterpoint_kernel::machine::index::{CodeRowId, DataRowId, RegisterId};
-use counterpoint_kernel::machine::rows::{Excess, Point, Register, Zeros};
+use counterpoint_kernel::machine::rows::{DecimalPointRule, Excess, Register, ZeroRule};
 use counterpoint_kernel::machine::show;
 use serde_json::{Value, json};
 
@@ -52,8 +52,10 @@ fn number(register: &Register) -> String {
     let least = || 10_f64.powi(-i32::from(format.frac));
     match (format.point, format.lead, format.trail) {
         _ if format.frac == 0 => parts.push("whole number or with a point".to_owned()),
-        (Point::Omit, Zeros::Omit, _) => parts.push(format!("1 without a point is {}", least())),
-        (Point::Omit, _, Zeros::Omit) => parts.push("digits without a point count from the left".to_owned()),
+        (DecimalPointRule::Omit, ZeroRule::Omit, _) => parts.push(format!("1 without a point is {}", least())),
+        (DecimalPointRule::Omit, _, ZeroRule::Omit) => {
+            parts.push("digits without a point count from the left".to_owned())
+        }
         _ => parts.push("1 without a point is 1".to_owned()),
     }
     if !register.pointed {

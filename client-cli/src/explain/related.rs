@@ -4,13 +4,13 @@
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::index::{CodeRowId, RegisterId};
-use counterpoint_kernel::machine::refusals::{Active, Refusal, Written};
+use counterpoint_kernel::machine::refusals::{Active, BlockRefusal, CodeReference};
 use counterpoint_kernel::machine::rows::CodeRow;
 use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_kernel::machine::tables::form_range;
 use serde_json::Value;
 
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 
 /// Macros that the identifier triggers.
 pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
@@ -22,7 +22,7 @@ pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
 }
 
 /// The refusals that the caller selects.
-pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<Value> {
+pub(super) fn refusals(machine: &Machine, is: impl Fn(&BlockRefusal) -> bool) -> Vec<Value> {
     let all = show::json_part(machine, Show::Refusals);
     let rows = all.at("refusals").as_array().cloned().unwrap_or_default();
     let picked = machine.diagnostics.refusals.iter().zip(rows).filter(|(rule, _)| is(rule));
@@ -30,10 +30,10 @@ pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<
 }
 
 /// Whether a refusal names the code: in its block, as active, or as not active.
-pub(super) fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
-    let written = |code: &Written| match *code {
-        Written::Id(id) => id == row.id,
-        Written::Word { register, min, max } => {
+pub(super) fn of_code(rule: &BlockRefusal, row: &CodeRow) -> bool {
+    let written = |code: &CodeReference| match *code {
+        CodeReference::Id(id) => id == row.id,
+        CodeReference::Word { register, min, max } => {
             form_range(&row.form).is_some_and(|(of, first, last)| of == register && first <= max && min <= last)
         }
     };
@@ -42,7 +42,7 @@ pub(super) fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
 }
 
 /// Whether a refusal tests words of a register, in blocks with one of the codes if there are any.
-pub(super) fn looks_at(machine: &Machine, rule: &Refusal, register: RegisterId, codes: &[CodeRowId]) -> bool {
+pub(super) fn looks_at(machine: &Machine, rule: &BlockRefusal, register: RegisterId, codes: &[CodeRowId]) -> bool {
     if !codes.is_empty() && !codes.iter().any(|id| of_code(rule, &machine.codes[*id])) {
         return false;
     }

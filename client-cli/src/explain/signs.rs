@@ -2,10 +2,10 @@
 //!
 //! *Invariant:* the signs are those of `[format]` of the machine.
 
-use counterpoint_kernel::machine::model::Format;
+use counterpoint_kernel::machine::model::ProgramTextFormat;
 
 /// The meaning of a sign on a machine.
-pub(super) fn meaning(format: &Format, sign: &str) -> Option<String> {
+pub(super) fn meaning(format: &ProgramTextFormat, sign: &str) -> Option<String> {
     let is = |mark: Option<char>| mark.is_some_and(|mark| sign.chars().eq([mark]));
     let around = |pair: Option<&(String, String)>, kind: &str| {
         let (start, end) = pair?;

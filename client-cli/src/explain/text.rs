@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 use crate::severity;
 use crate::text::table;
 

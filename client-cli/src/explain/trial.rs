@@ -4,17 +4,17 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::JobControl;
 use counterpoint_kernel::diag;
 use counterpoint_kernel::event::event::{Event, Kind};
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, Spec};
 use counterpoint_kernel::machine::Machine;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use serde_json::{Value, json};
 
 use super::words;
-use crate::fields::Fields as _;
+use crate::fields::JsonFields as _;
 
 /// Maximum number of blocks of the run.
 const BLOCKS: u64 = 100;
@@ -23,7 +23,7 @@ const BLOCKS: u64 = 100;
 #[derive(Default)]
 struct OfFirstLine(Vec<Value>);
 
-impl Sink for OfFirstLine {
+impl LogSink for OfFirstLine {
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
         for event in batch.iter().filter(|event| event.user_place().line == 1) {
             if let Kind::Diagnostic(told) = &event.kind {
@@ -56,12 +56,12 @@ pub(super) fn is_unknown_code(machine: &Machine, word: &str) -> bool {
 /// The diagnostics of a block, or the reason why it cannot be run.
 pub(super) fn diagnostics(machine: Machine, block: &str) -> Vec<Value> {
     let name = "block.nc";
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert(name, format!("{block}\nM30\n"));
-    let control = Control::new(machine.channels.len());
-    let mut options = Options { threads: 1, ..Options::default() };
+    let control = JobControl::new(machine.channels.len());
+    let mut options = JobOptions { threads: 1, ..JobOptions::default() };
     options.limits.blocks = BLOCKS;
-    let program = Program { file: name.to_owned(), number: None, section: None, channel: None };
+    let program = ProgramSelection { file: name.to_owned(), number: None, section: None, channel: None };
     let spec = Spec { machine: Arc::new(machine), programs: vec![program], options };
     match Job::prepare(spec, &files) {
         Ok(job) => {

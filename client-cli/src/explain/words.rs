@@ -11,7 +11,7 @@ use counterpoint_kernel::machine::tables::form_range;
 
 /// The meaning of a word on a machine.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Found {
+pub(super) struct WordMeaning {
     pub(super) word: String,
     pub(super) codes: Vec<CodeRowId>,
     pub(super) data: Vec<DataRowId>,
@@ -20,7 +20,7 @@ pub(super) struct Found {
 }
 
 /// The rows of a word, a text or an identifier; none if the machine has none of them.
-pub(super) fn find(machine: &Machine, word: &str) -> Option<Found> {
+pub(super) fn find(machine: &Machine, word: &str) -> Option<WordMeaning> {
     let joined = || registered(machine, &joined(word)?);
     let found = identifier(machine, word)
         .or_else(|| text(machine, word))
@@ -40,12 +40,12 @@ fn joined(word: &str) -> Option<String> {
 }
 
 /// The register of a word, also where it has no rows.
-pub(super) fn register_of(machine: &Machine, word: &str) -> Option<Found> {
+pub(super) fn register_of(machine: &Machine, word: &str) -> Option<WordMeaning> {
     registered(machine, word)
 }
 
 /// `CODE_RAPID`, `REG_AXIS_X`.
-fn identifier(machine: &Machine, word: &str) -> Option<Found> {
+fn identifier(machine: &Machine, word: &str) -> Option<WordMeaning> {
     let is = |name: &str, built_in: Option<&str>| name.eq_ignore_ascii_case(built_in.unwrap_or(word));
     let code = ident::code(word).and_then(ident::code_facts).map(|facts| facts.name);
     let data = ident::data(word).and_then(ident::data_facts).map(|facts| facts.name);
@@ -53,21 +53,21 @@ fn identifier(machine: &Machine, word: &str) -> Option<Found> {
     let rows = machine.data.entries().filter(|(_, row)| is(machine.data_name(row.id), data)).map(|(id, _)| id);
     let (codes, data): (Vec<_>, Vec<_>) = (codes.collect(), rows.collect());
     let none = codes.is_empty() && data.is_empty();
-    (!none).then(|| Found { word: word.to_ascii_uppercase(), codes, data, register: None })
+    (!none).then(|| WordMeaning { word: word.to_ascii_uppercase(), codes, data, register: None })
 }
 
 /// A word of several letters without a number.
-fn text(machine: &Machine, word: &str) -> Option<Found> {
+fn text(machine: &Machine, word: &str) -> Option<WordMeaning> {
     let is = |form: &CodeForm| matches!(form, CodeForm::Text(text) if text.trim().eq_ignore_ascii_case(word));
     let codes: Vec<_> = machine.codes.entries().filter(|(_, row)| is(&row.form)).map(|(id, _)| id).collect();
     // A text may be the letter of an axis, too: `X` of `TOOL CALL 1 X`.
     let data = registered(machine, word).map(|found| (found.data, found.register));
     let (data, register) = data.unwrap_or_default();
-    (!codes.is_empty()).then(|| Found { word: word.to_ascii_uppercase(), codes, data, register })
+    (!codes.is_empty()).then(|| WordMeaning { word: word.to_ascii_uppercase(), codes, data, register })
 }
 
 /// A register with or without a value.
-fn registered(machine: &Machine, word: &str) -> Option<Found> {
+fn registered(machine: &Machine, word: &str) -> Option<WordMeaning> {
     let mut named = machine.registers.entries().filter_map(|(id, register)| Some((id, value_of(register, word)?)));
     let first = named.next()?;
     let longest = |(id, _): &(RegisterId, Option<f64>)| machine.registers[*id].before.len();
@@ -75,7 +75,7 @@ fn registered(machine: &Machine, word: &str) -> Option<Found> {
     let data = machine.tables.data_of(id).to_vec();
     let Some(number) = value else {
         let word = word.to_ascii_uppercase();
-        return Some(Found { word, codes: Vec::new(), data, register: Some((id, None)) });
+        return Some(WordMeaning { word, codes: Vec::new(), data, register: Some((id, None)) });
     };
     let mut codes = machine.tables.code(id, number).to_vec();
     if codes.is_empty() {
@@ -84,7 +84,7 @@ fn registered(machine: &Machine, word: &str) -> Option<Found> {
             |form: &CodeForm| form_range(form).is_some_and(|(of, min, max)| of == id && (min..=max).contains(&number));
         codes = machine.codes.entries().filter(|(_, row)| covers(&row.form)).map(|(id, _)| id).collect();
     }
-    Some(Found { word: word.to_ascii_uppercase(), codes, data, register: Some((id, value)) })
+    Some(WordMeaning { word: word.to_ascii_uppercase(), codes, data, register: Some((id, value)) })
 }
 
 /// The value of a word with this register: its own name, its second one, or its texts around a number.

@@ -9,7 +9,7 @@ use crate::remote::Remote;
 
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("pace").required(true)))]
-pub(crate) struct Load {
+pub(crate) struct LoadArgs {
     /// Read the kinds of jobs from this TOML file: `[[job]]` with name, weight, machine, programs or made, watch
     #[arg(long, value_name = "FILE")]
     pub(crate) mix: PathBuf,
@@ -45,7 +45,7 @@ pub(crate) struct Load {
     #[arg(long, value_name = "PID")]
     pub(crate) server_pid: Option<u32>,
     #[command(flatten)]
-    pub(crate) output: Output,
+    pub(crate) output: ReportOutput,
     #[command(flatten)]
     pub(crate) thresholds: Thresholds,
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub(crate) struct Load {
 
 /// Where the figures go.
 #[derive(Debug, Args)]
-pub(crate) struct Output {
+pub(crate) struct ReportOutput {
     /// Write the report as JSON into this file
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,

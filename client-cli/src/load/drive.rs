@@ -11,8 +11,8 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
 
-use super::measure::{Measured, Stretch, UNFINISHED, lock};
-use super::mix::{Job, Mix};
+use super::measure::{JobPhase, Measured, UNFINISHED, lock};
+use super::mix::{JobKind, Mix};
 
 /// Reason of jobs that were due while too many others were in progress.
 const NOT_SENT: &str = "NOT_SENT";
@@ -21,14 +21,14 @@ const MOST_OPEN: u64 = 10_000;
 
 /// How jobs become due.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Pace {
+pub(super) enum ArrivalSchedule {
     /// This many a second.
     Rate(f64),
     /// When one of this many callers is free.
     Callers(usize),
 }
 
-impl std::fmt::Display for Pace {
+impl std::fmt::Display for ArrivalSchedule {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Rate(rate) => write!(f, "{rate} jobs/s"),
@@ -40,9 +40,9 @@ impl std::fmt::Display for Pace {
 
 /// A load.
 #[derive(Debug)]
-pub(super) struct Load {
+pub(super) struct LoadRun {
     pub(super) mix: Mix,
-    pub(super) pace: Pace,
+    pub(super) pace: ArrivalSchedule,
     pub(super) clients: Vec<Client>,
     pub(super) until: Instant,
     /// Most jobs.
@@ -56,14 +56,14 @@ pub(super) struct Load {
 
 /// The jobs that are still to come.
 #[derive(Debug)]
-struct Source {
+struct JobSource {
     mix: Mix,
     left: u64,
     until: Instant,
 }
 
-impl Source {
-    fn next(&mut self) -> Option<Arc<Job>> {
+impl JobSource {
+    fn next(&mut self) -> Option<Arc<JobKind>> {
         if self.left == 0 || Instant::now() >= self.until {
             return None;
         }
@@ -73,13 +73,13 @@ impl Source {
 }
 
 /// Runs a load to its end.
-pub(super) async fn drive(load: Load) {
-    let Load { mix, pace, clients, until, jobs, patience, delete, measured, refused } = load;
-    let mut source = Source { mix, left: jobs.unwrap_or(u64::MAX), until };
+pub(super) async fn drive(load: LoadRun) {
+    let LoadRun { mix, pace, clients, until, jobs, patience, delete, measured, refused } = load;
+    let mut source = JobSource { mix, left: jobs.unwrap_or(u64::MAX), until };
     let mut running = JoinSet::new();
     // Turned on when patience is at its end.
     let over = watch::Sender::new(false);
-    let of = |client: &Client| Caller {
+    let of = |client: &Client| LoadCaller {
         client: client.clone(),
         delete,
         measured: measured.clone(),
@@ -87,7 +87,7 @@ pub(super) async fn drive(load: Load) {
         refused: refused.clone(),
     };
     match pace {
-        Pace::Callers(callers) => {
+        ArrivalSchedule::Callers(callers) => {
             let source = Arc::new(Mutex::new(source));
             for client in clients.iter().cycle().take(callers) {
                 let (mut caller, source) = (of(client), source.clone());
@@ -99,7 +99,7 @@ pub(super) async fn drive(load: Load) {
             }
             sleep_or_end(until, &mut running).await;
         }
-        Pace::Rate(rate) => {
+        ArrivalSchedule::Rate(rate) => {
             let start = Instant::now();
             for (number, client) in (0_u32..).zip(clients.iter().cycle()) {
                 let due = start + Duration::from_secs_f64(f64::from(number) / rate);
@@ -121,7 +121,7 @@ pub(super) async fn drive(load: Load) {
     }
 }
 
-fn next(source: &Mutex<Source>) -> Option<Arc<Job>> {
+fn next(source: &Mutex<JobSource>) -> Option<Arc<JobKind>> {
     source.lock().unwrap_or_else(std::sync::PoisonError::into_inner).next()
 }
 
@@ -138,7 +138,7 @@ async fn sleep_or_end(until: Instant, running: &mut JoinSet<()>) {
 }
 
 /// Submits and follows one job at a time.
-struct Caller {
+struct LoadCaller {
     client: Client,
     delete: bool,
     measured: Arc<Mutex<Measured>>,
@@ -146,8 +146,8 @@ struct Caller {
     refused: Arc<watch::Sender<Option<Error>>>,
 }
 
-impl Caller {
-    async fn job(&mut self, job: &Job, due: Instant) {
+impl LoadCaller {
+    async fn job(&mut self, job: &JobKind, due: Instant) {
         lock(&self.measured).open += 1;
         let mut over = self.over.clone();
         let done = tokio::select! {
@@ -161,14 +161,14 @@ impl Caller {
         }
     }
 
-    async fn follow(&self, job: &Job, due: Instant) -> Result<(), String> {
+    async fn follow(&self, job: &JobKind, due: Instant) -> Result<(), String> {
         let request = v1::SubmitJobRequest { request_id: request_id(), ..job.request.clone() };
         // Not repeated: refusals by the server are to be counted.
         let answer = self.client.jobs().submit_job(request).await.map_err(|status| self.refusal(status.into()))?;
         let id = answer.into_inner().status.unwrap_or_default().job_id;
         {
             let mut measured = lock(&self.measured);
-            measured.time(Stretch::Submit, due, due.elapsed());
+            measured.time(JobPhase::Submit, due, due.elapsed());
             measured.submitted(&job.name);
         }
         let Some(level) = job.watch else { return Ok(()) };
@@ -180,7 +180,7 @@ impl Caller {
                     let mut measured = lock(&self.measured);
                     measured.events(batch.events.len() as u64);
                     if std::mem::take(&mut first) {
-                        measured.time(Stretch::FirstEvent, due, due.elapsed());
+                        measured.time(JobPhase::FirstEvent, due, due.elapsed());
                     }
                 }
                 Update::Ended(status) => break status,
@@ -190,8 +190,8 @@ impl Caller {
         {
             let mut measured = lock(&self.measured);
             let queued = u64::try_from(status.started_ms.saturating_sub(status.submitted_ms)).unwrap_or(0);
-            measured.time(Stretch::Queue, due, Duration::from_millis(queued));
-            measured.time(Stretch::End, due, due.elapsed());
+            measured.time(JobPhase::Queue, due, Duration::from_millis(queued));
+            measured.time(JobPhase::End, due, due.elapsed());
             measured.ended();
         }
         if self.delete {
@@ -205,7 +205,7 @@ impl Caller {
     }
 }
 
-impl Caller {
+impl LoadCaller {
     /// The reason of a refused submission; stops the load if every further job would also be refused.
     fn refusal(&self, error: Error) -> String {
         let reason = reason(&error);

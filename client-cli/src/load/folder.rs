@@ -12,9 +12,9 @@ const LEDGER: &str = "ledger.redb";
 
 /// A folder that is measured beside everything else.
 #[derive(Debug)]
-pub(super) struct Folder(Arc<AtomicU64>);
+pub(super) struct FolderGauge(Arc<AtomicU64>);
 
-impl Folder {
+impl FolderGauge {
     /// The data folder of a process: the one in which it has a ledger open.
     pub(super) fn of(pid: u32) -> Option<Self> {
         let open = std::fs::read_dir(format!("/proc/{pid}/fd")).ok()?.filter_map(Result::ok);
@@ -65,7 +65,7 @@ mod tests {
         std::fs::create_dir_all(folder.path().join("a/b")).unwrap();
         std::fs::write(folder.path().join("a/b/c"), [0; 300]).unwrap();
         std::fs::write(folder.path().join("d"), [0; 40]).unwrap();
-        assert_eq!(Folder::measure(folder.path().to_owned()).unwrap().bytes(), 340);
+        assert_eq!(FolderGauge::measure(folder.path().to_owned()).unwrap().bytes(), 340);
         assert_eq!(size(&folder.path().join("none")), 0);
     }
 }

@@ -18,7 +18,7 @@ pub(super) const UNFINISHED: &str = "UNFINISHED";
 
 /// Stretches of the life of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stretch {
+pub(super) enum JobPhase {
     /// From the moment at which the job was due to the answer of its submit.
     Submit,
     /// From its acceptance to the start of its run, as the server says.
@@ -29,7 +29,7 @@ pub(super) enum Stretch {
     End,
 }
 
-impl Stretch {
+impl JobPhase {
     pub(super) const ALL: [Self; 4] = [Self::Submit, Self::Queue, Self::FirstEvent, Self::End];
 
     pub(super) fn name(self) -> &'static str {
@@ -47,9 +47,9 @@ const LONGEST: u64 = 86_400_000_000;
 
 /// Times of a stretch. `None` never comes up: the bounds are ones that the type takes.
 #[derive(Debug)]
-pub(super) struct Times(Option<Histogram<u64>>);
+pub(super) struct PhaseHistogram(Option<Histogram<u64>>);
 
-impl Times {
+impl PhaseHistogram {
     fn new() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 3).ok())
     }
@@ -104,7 +104,7 @@ pub(super) struct Second {
 
 /// Counts of one second or of the whole load.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Counts {
+pub(super) struct LoadCounts {
     pub(super) submitted: u64,
     pub(super) ended: u64,
     pub(super) events: u64,
@@ -116,11 +116,11 @@ pub(super) struct Counts {
 pub(super) struct Measured {
     start: Instant,
     window: (Instant, Instant),
-    times: [Times; 4],
+    times: [PhaseHistogram; 4],
     /// Of the second in progress: submits and ends.
-    now: (Counts, Times, Times),
+    now: (LoadCounts, PhaseHistogram, PhaseHistogram),
     /// Within the window.
-    pub(super) counts: Counts,
+    pub(super) counts: LoadCounts,
     pub(super) errors: BTreeMap<String, u64>,
     pub(super) kinds: BTreeMap<String, u64>,
     pub(super) open: u64,
@@ -139,9 +139,9 @@ impl Measured {
         Self {
             start,
             window,
-            times: Stretch::ALL.map(|_| Times::new()),
-            now: (Counts::default(), Times::new(), Times::new()),
-            counts: Counts::default(),
+            times: JobPhase::ALL.map(|_| PhaseHistogram::new()),
+            now: (LoadCounts::default(), PhaseHistogram::new(), PhaseHistogram::new()),
+            counts: LoadCounts::default(),
             errors: BTreeMap::new(),
             kinds: BTreeMap::new(),
             open: 0,
@@ -155,11 +155,11 @@ impl Measured {
     }
 
     /// Notes a time of a job that was due then.
-    pub(super) fn time(&mut self, stretch: Stretch, due: Instant, time: Duration) {
+    pub(super) fn time(&mut self, stretch: JobPhase, due: Instant, time: Duration) {
         match stretch {
-            Stretch::Submit => self.now.1.record(time),
-            Stretch::End => self.now.2.record(time),
-            Stretch::Queue | Stretch::FirstEvent => {}
+            JobPhase::Submit => self.now.1.record(time),
+            JobPhase::End => self.now.2.record(time),
+            JobPhase::Queue | JobPhase::FirstEvent => {}
         }
         if self.in_window(due)
             && let Some(times) = self.times.get_mut(stretch as usize)
@@ -194,7 +194,7 @@ impl Measured {
         }
     }
 
-    fn count(&mut self, add: impl Fn(&mut Counts)) {
+    fn count(&mut self, add: impl Fn(&mut LoadCounts)) {
         let now = Instant::now();
         self.last = now;
         add(&mut self.now.0);
@@ -205,7 +205,8 @@ impl Measured {
 
     /// Closes the second that is over.
     pub(super) fn tick(&mut self, now: Instant, process: Option<Sample>) {
-        let (counts, submits, ends) = std::mem::replace(&mut self.now, (Counts::default(), Times::new(), Times::new()));
+        let (counts, submits, ends) =
+            std::mem::replace(&mut self.now, (LoadCounts::default(), PhaseHistogram::new(), PhaseHistogram::new()));
         self.seconds.push(Second {
             at_s: now.saturating_duration_since(self.start).as_secs_f64(),
             // Ticks come a little late.
@@ -223,7 +224,7 @@ impl Measured {
         });
     }
 
-    pub(super) fn times(&self, stretch: Stretch) -> Option<&Times> {
+    pub(super) fn times(&self, stretch: JobPhase) -> Option<&PhaseHistogram> {
         self.times.get(stretch as usize)
     }
 
@@ -247,12 +248,12 @@ mod tests {
     fn percentiles_are_those_of_what_was_due_in_the_window() {
         let start = Instant::now();
         let mut measured = Measured::new((start, start + Duration::from_secs(3600)));
-        assert_eq!(measured.times(Stretch::Submit).unwrap().ms(0.99), None);
+        assert_eq!(measured.times(JobPhase::Submit).unwrap().ms(0.99), None);
         for ms in 1..=1000 {
-            measured.time(Stretch::Submit, start + Duration::from_millis(1), Duration::from_millis(ms));
+            measured.time(JobPhase::Submit, start + Duration::from_millis(1), Duration::from_millis(ms));
         }
-        measured.time(Stretch::Submit, start - Duration::from_secs(1), Duration::from_secs(50));
-        let times = measured.times(Stretch::Submit).unwrap();
+        measured.time(JobPhase::Submit, start - Duration::from_secs(1), Duration::from_secs(50));
+        let times = measured.times(JobPhase::Submit).unwrap();
         assert_eq!(times.count(), 1000, "what was due during the warm-up does not count");
         for (share, expected) in [(0.5, 500.0), (0.99, 990.0), (0.999, 999.0)] {
             let ms = times.ms(share).unwrap();

@@ -17,13 +17,13 @@ const MOST_LINES: u64 = 10_000_000;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    job: Vec<Row>,
+struct MixFile {
+    job: Vec<MixRow>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Row {
+struct MixRow {
     name: String,
     #[serde(default = "one")]
     weight: u32,
@@ -31,9 +31,9 @@ struct Row {
     #[serde(default)]
     programs: Vec<PathBuf>,
     #[serde(default)]
-    made: Vec<Made>,
+    made: Vec<GeneratedProgram>,
     #[serde(default)]
-    watch: Level,
+    watch: FollowLevel,
 }
 
 fn one() -> u32 {
@@ -43,7 +43,7 @@ fn one() -> u32 {
 /// A program that is made: `{n}` in `lines` counts from 1.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Made {
+struct GeneratedProgram {
     name: String,
     #[serde(default)]
     head: String,
@@ -58,7 +58,7 @@ struct Made {
 /// How a job is followed.
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Level {
+enum FollowLevel {
     /// Not at all: its caller submits the next job at once.
     None,
     Progress,
@@ -70,7 +70,7 @@ enum Level {
 
 /// A kind of job.
 #[derive(Debug)]
-pub(super) struct Job {
+pub(super) struct JobKind {
     pub(super) name: String,
     weight: i64,
     /// Without its request id.
@@ -82,14 +82,14 @@ pub(super) struct Job {
 /// All kinds, and whose turn it is.
 #[derive(Debug)]
 pub(super) struct Mix {
-    jobs: Vec<(Arc<Job>, i64)>,
+    jobs: Vec<(Arc<JobKind>, i64)>,
 }
 
 impl Mix {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
         let bad = |text: String| Error::Usage(format!("{}: {text}", path.display()));
-        let file: File = toml::from_str(&text).map_err(|error| bad(error.message().to_owned()))?;
+        let file: MixFile = toml::from_str(&text).map_err(|error| bad(error.message().to_owned()))?;
         if file.job.iter().all(|row| row.weight == 0) {
             return Err(bad("no job has a weight above 0".to_owned()));
         }
@@ -105,7 +105,7 @@ impl Mix {
     }
 
     /// The next job: each kind gains its weight, the one with most is taken and pays the sum of the weights.
-    pub(super) fn next(&mut self) -> Option<Arc<Job>> {
+    pub(super) fn next(&mut self) -> Option<Arc<JobKind>> {
         let sum: i64 = self.jobs.iter().map(|(job, _)| job.weight).sum();
         self.jobs.iter_mut().for_each(|(job, credit)| *credit += job.weight);
         let most = self.jobs.iter().map(|(_, credit)| *credit).max()?;
@@ -115,7 +115,7 @@ impl Mix {
     }
 }
 
-fn job(row: Row, folder: &Path, bad: &dyn Fn(String) -> Error) -> Result<Job, Error> {
+fn job(row: MixRow, folder: &Path, bad: &dyn Fn(String) -> Error) -> Result<JobKind, Error> {
     // Every job runs, although the jobs of a row are equal.
     let options = Some(v1::JobOptions { no_cache: true, ..Default::default() });
     let mut request = v1::SubmitJobRequest { machine: row.machine, options, ..Default::default() };
@@ -146,13 +146,13 @@ fn job(row: Row, folder: &Path, bad: &dyn Fn(String) -> Error) -> Result<Job, Er
         return Err(bad(format!("job '{}' has no program: give programs or made", row.name)));
     }
     let watch = match row.watch {
-        Level::None => None,
-        Level::Progress => Some(v1::WatchLevel::Progress),
-        Level::Diagnostics => Some(v1::WatchLevel::Diagnostics),
-        Level::Blocks => Some(v1::WatchLevel::Blocks),
-        Level::Everything => Some(v1::WatchLevel::Everything),
+        FollowLevel::None => None,
+        FollowLevel::Progress => Some(v1::WatchLevel::Progress),
+        FollowLevel::Diagnostics => Some(v1::WatchLevel::Diagnostics),
+        FollowLevel::Blocks => Some(v1::WatchLevel::Blocks),
+        FollowLevel::Everything => Some(v1::WatchLevel::Everything),
     };
-    Ok(Job { name: row.name, weight: row.weight.into(), request, blobs, watch })
+    Ok(JobKind { name: row.name, weight: row.weight.into(), request, blobs, watch })
 }
 
 #[cfg(test)]

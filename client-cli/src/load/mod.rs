@@ -21,19 +21,19 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoint_client::{Client, Settings};
+use counterpoint_client::{Client, ClientSettings};
 use tokio::sync::watch;
 use tokio::time::{Instant, MissedTickBehavior, interval_at};
 
 use crate::error::Error;
 use crate::say::{self, BAD, GOOD, styled};
-use arguments::Load;
-use drive::Pace;
+use arguments::LoadArgs;
+use drive::ArrivalSchedule;
 use measure::{Measured, lock};
 use mix::Mix;
-use process::Process;
-use report::Report;
-use table::Live;
+use process::ServerProcess;
+use report::LoadReport;
+use table::LiveDisplay;
 use thresholds::thresholds;
 
 /// Callers that share a connection: each may hold a watch and a submit, and a server allows 256 calls on one.
@@ -42,8 +42,8 @@ const CALLERS: usize = 100;
 const CONNECTIONS: usize = 4;
 
 /// Executes the command; returns the exit code.
-pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
-    let settings = Settings::from_environment(&arguments.remote.server)?;
+pub(crate) async fn load(arguments: LoadArgs) -> Result<u8, Error> {
+    let settings = ClientSettings::from_environment(&arguments.remote.server)?;
     let at = address(settings.address())?;
     if !at.ip().is_loopback() && !arguments.allow_remote {
         return Err(Error::Usage(format!(
@@ -53,12 +53,12 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     }
     let mix = Mix::read(&arguments.mix)?;
     let pace = match (arguments.rate, arguments.callers) {
-        (Some(rate), _) => Pace::Rate(rate),
-        (None, callers) => Pace::Callers(callers.unwrap_or(1)),
+        (Some(rate), _) => ArrivalSchedule::Rate(rate),
+        (None, callers) => ArrivalSchedule::Callers(callers.unwrap_or(1)),
     };
     let wanted = arguments.connections.unwrap_or(match pace {
-        Pace::Rate(_) => CONNECTIONS,
-        Pace::Callers(callers) => callers.div_ceil(CALLERS),
+        ArrivalSchedule::Rate(_) => CONNECTIONS,
+        ArrivalSchedule::Callers(callers) => callers.div_ceil(CALLERS),
     });
     let mut clients = Vec::new();
     for _ in 0..wanted.max(1) {
@@ -67,7 +67,7 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     for client in clients.iter().take(1) {
         client.upload(&mix.blobs()).await?;
     }
-    let process = if at.ip().is_loopback() { Process::find(arguments.server_pid, at.port()) } else { None };
+    let process = if at.ip().is_loopback() { ServerProcess::find(arguments.server_pid, at.port()) } else { None };
     let report = run(&arguments, mix, pace, clients, process).await?;
     say::data(report.text().as_bytes())?;
     for (path, text) in [(&arguments.output.json, report.json()), (&arguments.output.html, page::page(&report))] {
@@ -87,20 +87,20 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
 /// The load itself: warm-up, measured time, and the ends of the jobs in progress. It stops at the first refusal that a
 /// retry cannot change.
 async fn run(
-    arguments: &Load,
+    arguments: &LoadArgs,
     mix: Mix,
-    pace: Pace,
+    pace: ArrivalSchedule,
     clients: Vec<Client>,
-    mut process: Option<Process>,
-) -> Result<Report, Error> {
+    mut process: Option<ServerProcess>,
+) -> Result<LoadReport, Error> {
     let start = Instant::now();
     let window = (start + arguments.warm_up, start + arguments.warm_up + arguments.time);
     let measured = Arc::new(Mutex::new(Measured::new(window)));
-    let mut live = Live::new(arguments.output.quiet);
+    let mut live = LiveDisplay::new(arguments.output.quiet);
     let until = window.1;
     let refused = Arc::new(watch::Sender::new(None));
     let mut refusal = refused.subscribe();
-    let mut driven = std::pin::pin!(drive::drive(drive::Load {
+    let mut driven = std::pin::pin!(drive::drive(drive::LoadRun {
         mix,
         pace,
         clients,
@@ -117,7 +117,7 @@ async fn run(
         tokio::select! {
             () = &mut driven => break,
             now = seconds.tick() => {
-                let sample = process.as_mut().and_then(Process::sample);
+                let sample = process.as_mut().and_then(ServerProcess::sample);
                 let mut measured = lock(&measured);
                 measured.tick(now, sample);
                 live.show(&measured, now);
@@ -134,7 +134,7 @@ async fn run(
     let measured = lock(&measured);
     let growth = growth::growth(&measured.seconds);
     let thresholds = thresholds(&arguments.thresholds, &measured, &growth);
-    Ok(Report::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, (thresholds, growth)))
+    Ok(LoadReport::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, (thresholds, growth)))
 }
 
 fn name(path: &Path) -> String {

@@ -5,9 +5,9 @@
 use std::fmt::Write as _;
 
 use super::growth::Growth;
-use super::measure::{Second, Stretch};
-use super::plot::{Plot, Scale, Series, escaped};
-use super::report::{Report, SHARES, Used};
+use super::measure::{JobPhase, Second};
+use super::plot::{Plot, PlotScale, Series, escaped};
+use super::report::{LoadReport, ProcessUsage, SHARES};
 
 const STYLE: &str = "\
 body{font:15px/1.45 system-ui,sans-serif;color:#1b1f24;background:#fff;max-width:1080px;margin:2em auto;padding:0 1em}
@@ -19,7 +19,7 @@ td:first-child,th:first-child{text-align:left}.figures{display:flex;flex-wrap:wr
 .kept{color:#116329}.missed{color:#a40e26;font-weight:600}";
 
 /// The whole page.
-pub(super) fn page(report: &Report) -> String {
+pub(super) fn page(report: &LoadReport) -> String {
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Load: {0}</title><style>{STYLE}</style>\
          </head><body>\n<h1>Load: {0}</h1>\n<p>{1} against {2}, measured for {3:.1} s</p>\n",
@@ -39,7 +39,7 @@ pub(super) fn page(report: &Report) -> String {
     out + "</div>\n</body></html>\n"
 }
 
-fn figures(out: &mut String, report: &Report) {
+fn figures(out: &mut String, report: &LoadReport) {
     let mut figure = |value: String, what: &str| {
         let _ = write!(out, "<div><b>{value}</b>{what}</div>");
     };
@@ -48,18 +48,18 @@ fn figures(out: &mut String, report: &Report) {
     figure(format!("{:.1}", report.ends_per_s), "ends/s");
     figure(format!("{:.0}", report.events_per_s), "events/s");
     figure(errors.to_string(), "errors");
-    if let Some(Used { cores_mean, rss_max, .. }) = report.process {
+    if let Some(ProcessUsage { cores_mean, rss_max, .. }) = report.process {
         figure(format!("{cores_mean:.2}"), "cores of the server");
         figure((rss_max >> 20).to_string(), "MiB of the server at most");
     }
     *out = out.replacen("<div><b>", "<div class=\"figures\"><div><b>", 1) + "</div>\n";
 }
 
-fn times(out: &mut String, report: &Report) {
+fn times(out: &mut String, report: &LoadReport) {
     *out += "<h2>Times, ms</h2>\n<table><tr><th></th><th>count</th><th>mean</th>";
     SHARES.iter().for_each(|(name, _)| *out += &format!("<th>{name}</th>"));
     *out += "<th>max</th></tr>\n";
-    for (name, times) in Stretch::ALL.into_iter().filter_map(|s| report.times_ms.get_key_value(s.name())) {
+    for (name, times) in JobPhase::ALL.into_iter().filter_map(|s| report.times_ms.get_key_value(s.name())) {
         let _ =
             write!(out, "<tr><td>{}</td><td>{}</td><td>{:.2}</td>", name.replace('_', " "), times.count, times.mean);
         for ms in SHARES.iter().filter_map(|(name, _)| times.shares.get(name)) {
@@ -70,7 +70,7 @@ fn times(out: &mut String, report: &Report) {
     *out += "</table>\n";
 }
 
-fn counts(out: &mut String, report: &Report) {
+fn counts(out: &mut String, report: &LoadReport) {
     let mut table = |title: &str, rows: Vec<(String, String)>| {
         if rows.is_empty() {
             return;
@@ -99,7 +99,7 @@ fn counts(out: &mut String, report: &Report) {
 const POINTS: usize = 600;
 
 /// Points of a figure over time; seconds without it are left out, and of many seconds each point is the mean of some.
-fn over_time(report: &Report, of: impl Fn(&Second) -> Option<f64>) -> Vec<(f64, f64)> {
+fn over_time(report: &LoadReport, of: impl Fn(&Second) -> Option<f64>) -> Vec<(f64, f64)> {
     let points: Vec<_> = report.seconds.iter().filter_map(|second| Some((second.at_s, of(second)?))).collect();
     let some = points.chunks(points.len().div_ceil(POINTS).max(1)).map(|some| {
         let count = some.len() as f64;
@@ -108,7 +108,7 @@ fn over_time(report: &Report, of: impl Fn(&Second) -> Option<f64>) -> Vec<(f64, 
     some.collect()
 }
 
-fn plots(report: &Report) -> Vec<Plot> {
+fn plots(report: &LoadReport) -> Vec<Plot> {
     let series = |name: &str, of: &dyn Fn(&Second) -> Option<f64>| Series::new(name, over_time(report, of));
     let plot = |title: &str, y: &str, scale, series| Plot {
         title: title.to_owned(),
@@ -119,7 +119,7 @@ fn plots(report: &Report) -> Vec<Plot> {
         nines: false,
         series,
     };
-    let curves = Stretch::ALL.into_iter().filter_map(|stretch| {
+    let curves = JobPhase::ALL.into_iter().filter_map(|stretch| {
         let times = report.times_ms.get(stretch.name())?;
         Some(Series::new(&stretch.name().replace('_', " "), times.curve.clone()))
     });
@@ -127,18 +127,18 @@ fn plots(report: &Report) -> Vec<Plot> {
         plot(
             "Jobs",
             "jobs/s",
-            Scale::Linear,
+            PlotScale::Linear,
             vec![
                 series("submitted", &|s| Some(s.submitted as f64)),
                 series("ended", &|s| Some(s.ended as f64)),
                 series("errors", &|s| Some(s.errors as f64)),
             ],
         ),
-        plot("Events", "events/s", Scale::Linear, vec![series("events", &|s| Some(s.events as f64))]),
+        plot("Events", "events/s", PlotScale::Linear, vec![series("events", &|s| Some(s.events as f64))]),
         plot(
             "Times",
             "ms",
-            Scale::Log,
+            PlotScale::Log,
             vec![
                 series("submit p50", &|s| s.submit_p50_ms),
                 series("submit p99", &|s| s.submit_p99_ms),
@@ -150,33 +150,33 @@ fn plots(report: &Report) -> Vec<Plot> {
             title: "Times by share of jobs".to_owned(),
             x: "per cent of jobs that are no slower".to_owned(),
             y: "ms".to_owned(),
-            scale: Scale::Log,
+            scale: PlotScale::Log,
             shaded: 0.0,
             nines: true,
             series: curves.collect(),
         },
-        plot("Jobs under way", "jobs", Scale::Linear, vec![series("open", &|s| Some(s.open as f64))]),
+        plot("Jobs under way", "jobs", PlotScale::Linear, vec![series("open", &|s| Some(s.open as f64))]),
     ];
     if report.process.is_some() {
         let mib = |s: &Second| s.process.map(|process| process.rss as f64 / f64::from(1 << 20));
         plots.push(plot(
             "Processors of the server",
             "cores",
-            Scale::Linear,
+            PlotScale::Linear,
             vec![series("cores", &|s| Some(s.process?.cores))],
         ));
-        plots.push(plot("Memory of the server", "MiB", Scale::Linear, vec![series("memory", &mib)]));
+        plots.push(plot("Memory of the server", "MiB", PlotScale::Linear, vec![series("memory", &mib)]));
         plots.push(plot(
             "Descriptors and threads of the server",
             "",
-            Scale::Linear,
+            PlotScale::Linear,
             vec![
                 series("descriptors", &|s| Some(s.process?.descriptors as f64)),
                 series("threads", &|s| Some(s.process?.threads as f64)),
             ],
         ));
         let folder = |s: &Second| s.process?.folder.map(|bytes| bytes as f64 / f64::from(1 << 20));
-        plots.push(plot("Data folder of the server", "MiB", Scale::Linear, vec![series("data", &folder)]));
+        plots.push(plot("Data folder of the server", "MiB", PlotScale::Linear, vec![series("data", &folder)]));
     }
     plots
 }

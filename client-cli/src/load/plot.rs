@@ -16,7 +16,7 @@ const LINES: [(&str, &str); 4] = [("#0072b2", "none"), ("#d55e00", "6 3"), ("#00
 
 /// How values lead to heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scale {
+pub(super) enum PlotScale {
     Linear,
     Log,
 }
@@ -41,7 +41,7 @@ pub(super) struct Plot {
     pub(super) title: String,
     pub(super) x: String,
     pub(super) y: String,
-    pub(super) scale: Scale,
+    pub(super) scale: PlotScale,
     /// Up to here the background is shaded.
     pub(super) shaded: f64,
     /// The axis counts nines: 0 = none, 1 = 90 %, 2 = 99 %.
@@ -72,13 +72,13 @@ fn short(value: f64) -> String {
 }
 
 /// Marks of the axis of values, ascending.
-fn marks(scale: Scale, low: f64, high: f64) -> Vec<f64> {
+fn marks(scale: PlotScale, low: f64, high: f64) -> Vec<f64> {
     match scale {
-        Scale::Linear => {
+        PlotScale::Linear => {
             let step = round_up((high / 4.0).max(1e-9));
             (0..=10).map(|n| f64::from(n) * step).take_while(|mark| *mark < high + step).collect()
         }
-        Scale::Log => {
+        PlotScale::Log => {
             let (from, to) = (low.max(1e-3).log10().floor() as i32, high.max(2e-3).log10().ceil() as i32);
             (from..=to.max(from + 1)).map(|power| 10_f64.powi(power)).collect()
         }
@@ -97,8 +97,8 @@ impl Plot {
         let x_of = |x: f64| LEFT + (x / x_most).clamp(0.0, 1.0) * (WIDTH - LEFT - RIGHT);
         let y_of = |y: f64| {
             let share = match self.scale {
-                Scale::Linear => (y - low) / (high - low),
-                Scale::Log => (y.max(low).log10() - low.log10()) / (high.log10() - low.log10()),
+                PlotScale::Linear => (y - low) / (high - low),
+                PlotScale::Log => (y.max(low).log10() - low.log10()) / (high.log10() - low.log10()),
             };
             HEIGHT - BOTTOM - share.clamp(0.0, 1.0) * (HEIGHT - TOP - BOTTOM)
         };
@@ -198,7 +198,7 @@ impl Plot {
 mod tests {
     use super::*;
 
-    fn plot(scale: Scale, points: Vec<(f64, f64)>) -> String {
+    fn plot(scale: PlotScale, points: Vec<(f64, f64)>) -> String {
         Plot {
             title: "a < b".into(),
             x: "s".into(),
@@ -221,7 +221,7 @@ mod tests {
             vec![(0.0, 5.0), (1.0, 5.0)],
         ];
         for points in odd {
-            for scale in [Scale::Linear, Scale::Log] {
+            for scale in [PlotScale::Linear, PlotScale::Log] {
                 let svg = plot(scale, points.clone());
                 assert!(!svg.contains("NaN") && !svg.contains("inf"), "{points:?} {svg}");
                 assert!(svg.contains("a &lt; b") && !svg.contains("<script"), "{svg}");
@@ -235,8 +235,8 @@ mod tests {
 
     #[test]
     fn axes_have_round_marks() {
-        assert_eq!(marks(Scale::Linear, 0.0, 37.0), [0.0, 10.0, 20.0, 30.0, 40.0]);
-        assert_eq!(marks(Scale::Log, 0.4, 37.0), [0.1, 1.0, 10.0, 100.0]);
+        assert_eq!(marks(PlotScale::Linear, 0.0, 37.0), [0.0, 10.0, 20.0, 30.0, 40.0]);
+        assert_eq!(marks(PlotScale::Log, 0.4, 37.0), [0.1, 1.0, 10.0, 100.0]);
         assert_eq!(["0.5", "15k", "2M", "7"], [0.5, 15_000.0, 2e6, 7.0].map(short).each_ref().map(String::as_str));
     }
 }

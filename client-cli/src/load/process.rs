@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::folder::Folder;
+use super::folder::FolderGauge;
 
 /// Ticks of a second.
 const TICKS: f64 = 100.0;
@@ -28,17 +28,17 @@ pub(super) struct Sample {
 
 /// A process that is measured.
 #[derive(Debug)]
-pub(super) struct Process {
+pub(super) struct ServerProcess {
     pid: u32,
     last: (Instant, u64),
-    folder: Option<Folder>,
+    folder: Option<FolderGauge>,
 }
 
-impl Process {
+impl ServerProcess {
     /// The process with this id, or the one that listens on this port, if it may be looked at.
     pub(super) fn find(pid: Option<u32>, port: u16) -> Option<Self> {
         let pid = pid.or_else(|| listener(port))?;
-        Some(Self { pid, last: (Instant::now(), ticks(pid)?), folder: Folder::of(pid) })
+        Some(Self { pid, last: (Instant::now(), ticks(pid)?), folder: FolderGauge::of(pid) })
     }
 
     /// Its use since the last call.
@@ -53,7 +53,7 @@ impl Process {
             rss: field(&status, "VmRSS:")? * 1024,
             descriptors,
             threads: field(&status, "Threads:")?,
-            folder: self.folder.as_ref().map(Folder::bytes),
+            folder: self.folder.as_ref().map(FolderGauge::bytes),
         })
     }
 }
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn the_process_that_listens_on_a_port_is_found_and_measured() {
         let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-        let mut process = Process::find(None, listener.local_addr().unwrap().port()).unwrap();
+        let mut process = ServerProcess::find(None, listener.local_addr().unwrap().port()).unwrap();
         assert_eq!(process.pid, std::process::id());
         let sample = process.sample().unwrap();
         assert!(sample.rss > 1 << 20 && sample.cores >= 0.0, "{sample:?}");

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::drive::Pace;
+use super::drive::ArrivalSchedule;
 use super::growth::Growth;
-use super::measure::{Measured, Second, Stretch};
+use super::measure::{JobPhase, Measured, Second};
 use super::thresholds::Threshold;
 use crate::text;
 
@@ -16,7 +16,7 @@ pub(super) const SHARES: [(&str, f64); 5] =
 
 /// Times of a stretch, ms.
 #[derive(Debug, Serialize)]
-pub(super) struct Times {
+pub(super) struct PhaseTimes {
     pub(super) count: u64,
     pub(super) mean: f64,
     pub(super) max: f64,
@@ -29,7 +29,7 @@ pub(super) struct Times {
 
 /// The server's process.
 #[derive(Debug, Serialize)]
-pub(super) struct Used {
+pub(super) struct ProcessUsage {
     pub(super) cores_mean: f64,
     pub(super) cores_max: f64,
     pub(super) rss_max: u64,
@@ -41,7 +41,7 @@ pub(super) struct Used {
 
 /// The report.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct LoadReport {
     pub(super) mix: String,
     pub(super) server: String,
     pub(super) pace: String,
@@ -56,26 +56,26 @@ pub(super) struct Report {
     pub(super) jobs: BTreeMap<String, u64>,
     pub(super) errors: BTreeMap<String, u64>,
     /// Times by stretch, ms.
-    pub(super) times_ms: BTreeMap<&'static str, Times>,
+    pub(super) times_ms: BTreeMap<&'static str, PhaseTimes>,
     /// Of the server, if it is on this machine.
-    pub(super) process: Option<Used>,
+    pub(super) process: Option<ProcessUsage>,
     pub(super) thresholds: Vec<Threshold>,
     /// How the server grew while it was measured.
     pub(super) growth: Vec<Growth>,
     pub(super) seconds: Vec<Second>,
 }
 
-impl Report {
+impl LoadReport {
     pub(super) fn new(
         mix: String,
         server: &str,
-        pace: Pace,
+        pace: ArrivalSchedule,
         measured: &Measured,
         (thresholds, growth): (Vec<Threshold>, Vec<Growth>),
     ) -> Self {
         let seconds = measured.seconds_measured();
         let rate = |count: u64| count as f64 / seconds;
-        let times = Stretch::ALL.into_iter().filter_map(|stretch| Some((stretch.name(), times(measured, stretch)?)));
+        let times = JobPhase::ALL.into_iter().filter_map(|stretch| Some((stretch.name(), times(measured, stretch)?)));
         Self {
             mix,
             server: server.to_owned(),
@@ -109,7 +109,7 @@ impl Report {
             head.extend(SHARES.iter().map(|(name, _)| (*name).to_owned()));
             head.push("max".to_owned());
         }
-        for (name, times) in Stretch::ALL.into_iter().filter_map(|s| self.times_ms.get_key_value(s.name())) {
+        for (name, times) in JobPhase::ALL.into_iter().filter_map(|s| self.times_ms.get_key_value(s.name())) {
             let mut row = vec![name.replace('_', " "), times.count.to_string(), format!("{:.2}", times.mean)];
             row.extend(SHARES.iter().filter_map(|(name, _)| times.shares.get(name)).map(|ms| format!("{ms:.2}")));
             row.push(format!("{:.2}", times.max));
@@ -117,7 +117,7 @@ impl Report {
         }
         out += &text::table(&rows, 1);
         if let Some(used) = &self.process {
-            let Used { cores_mean, cores_max, rss_max, descriptors_max, threads_max, folder } = used;
+            let ProcessUsage { cores_mean, cores_max, rss_max, descriptors_max, threads_max, folder } = used;
             out += &format!(
                 "server: {cores_mean:.2} cores (most {cores_max:.2}), {} MiB, {descriptors_max} descriptors, {threads_max} \
                  threads at most",
@@ -137,20 +137,20 @@ impl Report {
     }
 }
 
-fn times(measured: &Measured, stretch: Stretch) -> Option<Times> {
+fn times(measured: &Measured, stretch: JobPhase) -> Option<PhaseTimes> {
     let times = measured.times(stretch)?;
     let shares = SHARES.iter().filter_map(|(name, share)| Some((*name, times.ms(*share)?))).collect();
     // Ten points for each digit of the share that is left: 0.5, … 0.9, … 0.99, …
     let most = (times.count().max(1) as f64).log10();
     let at = (0..).map(|n| f64::from(n) / 10.0).take_while(|digits| *digits <= most.min(6.0));
     let curve = at.filter_map(|digits| Some((digits, times.ms(1.0 - 10_f64.powf(-digits))?))).collect();
-    Some(Times { count: times.count(), mean: times.mean_ms()?, max: times.max_ms()?, shares, curve })
+    Some(PhaseTimes { count: times.count(), mean: times.mean_ms()?, max: times.max_ms()?, shares, curve })
 }
 
-fn used(seconds: &[Second]) -> Option<Used> {
+fn used(seconds: &[Second]) -> Option<ProcessUsage> {
     let measured: Vec<_> = seconds.iter().filter(|s| !s.warm_up).filter_map(|second| second.process).collect();
     let count = measured.len();
-    (count > 0).then(|| Used {
+    (count > 0).then(|| ProcessUsage {
         cores_mean: measured.iter().map(|sample| sample.cores).sum::<f64>() / count as f64,
         cores_max: measured.iter().map(|sample| sample.cores).fold(0.0, f64::max),
         rss_max: measured.iter().map(|sample| sample.rss).max().unwrap_or(0),

@@ -14,14 +14,14 @@ const LINES: usize = 10;
 
 /// The content of the terminal.
 #[derive(Debug)]
-pub(super) struct Live {
+pub(super) struct LiveDisplay {
     terminal: Option<Term>,
     quiet: bool,
     lines: usize,
     shown: usize,
 }
 
-impl Live {
+impl LiveDisplay {
     pub(super) fn new(quiet: bool) -> Self {
         let terminal = Some(Term::stderr()).filter(Term::is_term);
         Self { terminal, quiet, lines: 0, shown: 0 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::arguments::Thresholds;
 use super::growth::Growth;
-use super::measure::{Measured, Stretch};
+use super::measure::{JobPhase, Measured};
 
 /// A threshold and the measured value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,10 +38,10 @@ pub(super) fn thresholds(asked: &Thresholds, measured: &Measured, growth: &[Grow
     let errors: u64 = measured.errors.values().sum();
     let due = (counts.submitted + errors).max(1) as f64;
     let most = [
-        ("p99 of submit", "ms", ms(asked.max_p99_submit), p99(Stretch::Submit)),
-        ("p99 of queue", "ms", ms(asked.max_p99_queue), p99(Stretch::Queue)),
-        ("p99 of first event", "ms", ms(asked.max_p99_first_event), p99(Stretch::FirstEvent)),
-        ("p99 of end", "ms", ms(asked.max_p99_end), p99(Stretch::End)),
+        ("p99 of submit", "ms", ms(asked.max_p99_submit), p99(JobPhase::Submit)),
+        ("p99 of queue", "ms", ms(asked.max_p99_queue), p99(JobPhase::Queue)),
+        ("p99 of first event", "ms", ms(asked.max_p99_first_event), p99(JobPhase::FirstEvent)),
+        ("p99 of end", "ms", ms(asked.max_p99_end), p99(JobPhase::End)),
         ("errors", "%", asked.max_errors, Some(errors as f64 * 100.0 / due)),
     ];
     let least = [
@@ -91,7 +91,7 @@ mod tests {
     fn what_was_not_measured_or_is_beyond_a_limit_misses_it() {
         let start = Instant::now();
         let mut measured = Measured::new((start, start + Duration::from_secs(3600)));
-        measured.time(Stretch::Submit, start, Duration::from_millis(20));
+        measured.time(JobPhase::Submit, start, Duration::from_millis(20));
         measured.submitted("a");
         measured.error("QUEUE_FULL");
         let asked = Thresholds {

@@ -7,13 +7,13 @@ use counterpoint_lang::compile;
 use counterpoint_lang::layout;
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Macro {
+pub(crate) enum MacroCommand {
     /// Check macro files without running them
-    Check(Check),
+    Check(MacroCheckArgs),
     /// Reformat macro files
     Fmt(Fmt),
     /// Run the last of several macro files without a machine; the other files define functions
-    Run(Run),
+    Run(MacroRunArgs),
     /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
     Explain {
         /// Explain this word or number, such as no-feed, 02910011, $FSIN, DECLAR, $TLTAB or CODE_RAPID
@@ -23,7 +23,7 @@ pub(crate) enum Macro {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Check {
+pub(crate) struct MacroCheckArgs {
     /// Check these files together; with --strong the last file is an ordinary macro and the files before it are the
     /// declaration macro; - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
@@ -33,7 +33,7 @@ pub(crate) struct Check {
     pub(crate) json: bool,
     /// Require declarations of these variables
     #[arg(long, value_enum, default_value = "off")]
-    pub(crate) strong: Strong,
+    pub(crate) strong: StrongDeclaration,
 }
 
 #[derive(Debug, Args)]
@@ -43,7 +43,7 @@ pub(crate) struct Fmt {
     pub(crate) files: Vec<PathBuf>,
     /// Write in this style
     #[arg(long, value_enum, default_value = "standard")]
-    pub(crate) style: Style,
+    pub(crate) style: MacroStyle,
     /// Only list the files that would change; exit with code 1 if a file would change
     #[arg(long)]
     pub(crate) check: bool,
@@ -53,7 +53,7 @@ pub(crate) struct Fmt {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Run {
+pub(crate) struct MacroRunArgs {
     /// Load these macro files and run the last one; - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
@@ -62,7 +62,7 @@ pub(crate) struct Run {
     pub(crate) trace: bool,
     /// Require declarations of these variables
     #[arg(long, value_enum, default_value = "off")]
-    pub(crate) strong: Strong,
+    pub(crate) strong: StrongDeclaration,
     /// End the run after this many steps
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) ticks: Option<u64>,
@@ -70,7 +70,7 @@ pub(crate) struct Run {
 
 /// Strong declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Strong {
+pub(crate) enum StrongDeclaration {
     /// No declarations required
     Off,
     /// GLOBAL and OBJECT variables, in the declaration macro
@@ -79,30 +79,30 @@ pub(crate) enum Strong {
     Full,
 }
 
-impl From<Strong> for compile::Strong {
-    fn from(strong: Strong) -> Self {
+impl From<StrongDeclaration> for compile::DeclarationStrictness {
+    fn from(strong: StrongDeclaration) -> Self {
         match strong {
-            Strong::Off => Self::Off,
-            Strong::Partial => Self::Partial,
-            Strong::Full => Self::Full,
+            StrongDeclaration::Off => Self::Off,
+            StrongDeclaration::Partial => Self::Partial,
+            StrongDeclaration::Full => Self::Full,
         }
     }
 }
 
 /// Styles of writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Style {
+pub(crate) enum MacroStyle {
     /// Upper case, .EQ.
     Standard,
     /// Lower case, ==
     C,
 }
 
-impl From<Style> for layout::Style {
-    fn from(style: Style) -> Self {
+impl From<MacroStyle> for layout::SourceStyle {
+    fn from(style: MacroStyle) -> Self {
         match style {
-            Style::Standard => Self::Standard,
-            Style::C => Self::C,
+            MacroStyle::Standard => Self::Standard,
+            MacroStyle::C => Self::C,
         }
     }
 }

@@ -1,19 +1,19 @@
 //! `macro check`: reports every mistake in every file.
 
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::diag::MacroDiagnostic;
 use counterpoint_lang_standalone::check_all;
 use serde_json::json;
 
-use super::arguments::Check;
-use super::sandbox::Sandbox;
+use super::arguments::MacroCheckArgs;
+use super::sandbox::MacroSandbox;
 use super::say_finding;
 use crate::error::Error;
 use crate::say;
 
-pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
+pub(super) fn check(arguments: &MacroCheckArgs) -> Result<u8, Error> {
     let files = super::read(&arguments.files)?;
     let mut host = super::standalone::standalone();
-    host.attach(Box::new(Sandbox::here()?));
+    host.attach(Box::new(MacroSandbox::here()?));
     let found = check_all(&files, &mut host, arguments.strong.into());
     let errors = found.iter().flatten().filter(|finding| finding.is_error()).count();
     let warnings = found.iter().flatten().count() - errors;
@@ -29,11 +29,11 @@ pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
     Ok(u8::from(errors > 0))
 }
 
-fn of_file(name: &str, found: &[Diagnostic]) -> serde_json::Value {
+fn of_file(name: &str, found: &[MacroDiagnostic]) -> serde_json::Value {
     json!({ "file": name, "findings": found.iter().map(as_json).collect::<Vec<_>>() })
 }
 
-fn as_json(finding: &Diagnostic) -> serde_json::Value {
+fn as_json(finding: &MacroDiagnostic) -> serde_json::Value {
     json!({
         "file": finding.file,
         "line": finding.line,

@@ -5,8 +5,8 @@
 use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
-use counterpoint_lang::explain::{self, Entry};
-use counterpoint_lang::func::{self, Way};
+use counterpoint_lang::explain::{self, ExplainEntry};
+use counterpoint_lang::func::{self, EvaluationMethod};
 use counterpoint_lang::host::HostFn;
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
@@ -132,7 +132,7 @@ fn named(what: &str) -> Option<String> {
         .or_else(|| variable(&dollar))
 }
 
-fn entry(entry: &Entry) -> String {
+fn entry(entry: &ExplainEntry) -> String {
     let result = entry.result.map(|result| format!("gives: {result}\n")).unwrap_or_default();
     format!("{}\n{result}\n{}\n", entry.form, entry.about)
 }
@@ -143,12 +143,12 @@ fn statement(name: &str) -> Option<String> {
 
 fn function(name: &str) -> Option<String> {
     let way = func::named(name).map(|function| function.way);
-    if let Some(Way::Missing(why)) = way {
+    if let Some(EvaluationMethod::Missing(why)) = way {
         return Some(format!("{name}\n\nNot available in macros of the control emulator: {why}.\n"));
     }
     let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
     Some(match way {
-        Some(Way::Host(HostFn::Absent(function))) => {
+        Some(EvaluationMethod::Host(HostFn::Absent(function))) => {
             let why = without::why(function);
             format!(
                 "{text}\nThe function {why}: it reports this once in a run (2910070) and returns the result of a failed call.\n"
@@ -163,11 +163,11 @@ fn variable(name: &str) -> Option<String> {
         return Some(format!("{name}\n\nThe control emulator has no such variable: it belongs to {product}.\n"));
     }
     let variable = system::find(name)?;
-    let kind = variable.kind.map_or("any type", counterpoint_lang::value::Kind::name);
+    let kind = variable.kind.map_or("any type", counterpoint_lang::value::ValueType::name);
     let access = match variable.access {
-        system::Access::Read => "read only",
-        system::Access::Write => "can be assigned",
-        system::Access::Start => "can be assigned until the machine startup macro ends",
+        system::ControlVariableAccess::Read => "read only",
+        system::ControlVariableAccess::Write => "can be assigned",
+        system::ControlVariableAccess::Start => "can be assigned until the machine startup macro ends",
     };
     let range = match variable.range {
         Some((low, high)) => format!(", {low} to {high}"),

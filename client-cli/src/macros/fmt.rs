@@ -5,7 +5,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::diag::MacroDiagnostic;
 use counterpoint_lang::layout;
 
 use super::arguments::Fmt;
@@ -52,7 +52,7 @@ fn one(path: &Path, arguments: &Fmt) -> Result<u8, Error> {
     Ok(0)
 }
 
-fn formatted(text: &str, style: layout::Style) -> Result<String, Vec<Diagnostic>> {
+fn formatted(text: &str, style: layout::SourceStyle) -> Result<String, Vec<MacroDiagnostic>> {
     let new = layout::format(text, style)?;
     let carriage_returns = text.find('\n').is_some_and(|at| text.get(..at).is_some_and(|line| line.ends_with('\r')));
     Ok(if carriage_returns { new.replace('\n', "\r\n") } else { new })

@@ -16,24 +16,24 @@ mod terms;
 
 use std::path::{Path, PathBuf};
 
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::diag::MacroDiagnostic;
 use counterpoint_lang_standalone::File;
 
 use crate::error::Error;
 use crate::{say, standard_input};
 #[cfg(test)]
 pub(crate) use alarms::rows as alarm_rows;
-use arguments::Macro;
+use arguments::MacroCommand;
 pub(crate) use explain::{diagnostic, explain, explanation, remedy, remedy_for, unknown};
 pub(crate) use links::without_links;
 
 /// Executes a command and returns the exit code.
-pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
+pub(crate) fn dispatch(command: &MacroCommand) -> Result<u8, Error> {
     match command {
-        Macro::Check(arguments) => check::check(arguments),
-        Macro::Fmt(arguments) => fmt::fmt(arguments),
-        Macro::Run(arguments) => run::run(arguments),
-        Macro::Explain { what } => explain(what),
+        MacroCommand::Check(arguments) => check::check(arguments),
+        MacroCommand::Fmt(arguments) => fmt::fmt(arguments),
+        MacroCommand::Run(arguments) => run::run(arguments),
+        MacroCommand::Explain { what } => explain(what),
     }
 }
 
@@ -67,7 +67,7 @@ fn name(path: &Path) -> String {
 }
 
 /// A finding with its line and a mark.
-fn say_finding(finding: &Diagnostic) {
+fn say_finding(finding: &MacroDiagnostic) {
     let style = if finding.is_error() { say::BAD } else { say::WARN };
     let text = finding.to_string();
     let (head, rest) = text.split_once(' ').unwrap_or((&text, ""));

@@ -3,22 +3,22 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use counterpoint_lang::vm::Limits;
+use counterpoint_lang::vm::MacroLimits;
 use counterpoint_lang_standalone::{self as standalone, RunOptions};
 
-use super::arguments::Run;
-use super::sandbox::Sandbox;
+use super::arguments::MacroRunArgs;
+use super::sandbox::MacroSandbox;
 use crate::error::Error;
 
-pub(super) fn run(arguments: &Run) -> Result<u8, Error> {
+pub(super) fn run(arguments: &MacroRunArgs) -> Result<u8, Error> {
     let files = super::read(&arguments.files)?;
-    let mut limits = Limits::default();
+    let mut limits = MacroLimits::default();
     if let Some(ticks) = arguments.ticks {
         limits.ticks = ticks;
     }
     let broken = Rc::new(RefCell::new(None));
     let mut host = super::standalone::standalone();
-    host.attach(Box::new(Sandbox::here()?.telling(Rc::clone(&broken))));
+    host.attach(Box::new(MacroSandbox::here()?.telling(Rc::clone(&broken))));
     let options = RunOptions { trace: arguments.trace, strong: arguments.strong.into(), limits };
     let failed = standalone::run(&files, &mut host, options);
     match broken.take() {

@@ -10,9 +10,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, Metadata, OpenOptions};
-use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Shelf};
-use counterpoint_lang_standalone::{Outside, Stream};
+use counterpoint_lang::diag::MacroDiagnostic;
+use counterpoint_lang::host::{FAILED, FORBIDDEN, FileFacts, NOT_FOUND, Shelf};
+use counterpoint_lang_standalone::{HostEnvironment, OutputStream};
 
 use crate::error::Error;
 use crate::say;
@@ -21,13 +21,13 @@ use crate::say;
 const LARGEST: u64 = 256 << 20;
 
 #[derive(Debug)]
-pub(super) struct Sandbox {
+pub(super) struct MacroSandbox {
     folder: Dir,
     /// Why standard output cannot be written any more.
     broken: Rc<RefCell<Option<Error>>>,
 }
 
-impl Sandbox {
+impl MacroSandbox {
     /// The current folder.
     pub(super) fn here() -> Result<Self, Error> {
         let folder = Dir::open_ambient_dir(".", ambient_authority()).map_err(Error::file("."))?;
@@ -76,7 +76,7 @@ fn owner(metadata: &Metadata) -> (u32, u32, u32) {
     (if metadata.permissions().readonly() { 0o444 } else { 0o666 }, 0, 0)
 }
 
-impl Shelf for Sandbox {
+impl Shelf for MacroSandbox {
     fn read(&mut self, path: &str) -> Result<String, i32> {
         let file = self.open(path, OpenOptions::new().read(true))?;
         let mut bytes = Vec::new();
@@ -94,7 +94,7 @@ impl Shelf for Sandbox {
         self.folder.write(path, text).map_err(|error| status(&error))
     }
 
-    fn facts(&mut self, path: &str) -> Result<Facts, i32> {
+    fn facts(&mut self, path: &str) -> Result<FileFacts, i32> {
         let metadata = self.folder.metadata(path).map_err(|error| status(&error))?;
         let (mode, owner, group) = owner(&metadata);
         let modified = seconds(metadata.modified());
@@ -106,7 +106,7 @@ impl Shelf for Sandbox {
             allowed |= u8::from(mode & 0o111 != 0);
         }
         let times = [seconds(metadata.accessed()), modified, modified];
-        Ok(Facts { size: metadata.len(), times, mode, owner, group, allowed, folder })
+        Ok(FileFacts { size: metadata.len(), times, mode, owner, group, allowed, folder })
     }
 
     fn creatable(&mut self, path: &str) -> bool {
@@ -120,9 +120,9 @@ impl Shelf for Sandbox {
     }
 }
 
-impl Outside for Sandbox {
-    fn line(&mut self, stream: Stream, text: &str) -> bool {
-        if stream == Stream::Console {
+impl HostEnvironment for MacroSandbox {
+    fn line(&mut self, stream: OutputStream, text: &str) -> bool {
+        if stream == OutputStream::Console {
             say::status_line(text);
             return true;
         }
@@ -135,7 +135,7 @@ impl Outside for Sandbox {
         }
     }
 
-    fn report(&mut self, diagnostic: &Diagnostic) {
+    fn report(&mut self, diagnostic: &MacroDiagnostic) {
         super::say_finding(diagnostic);
     }
 

@@ -3,14 +3,14 @@
 use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::codes;
 use counterpoint_kernel::machine::macros::{identifiers, system};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_lang_standalone::{Domain, Standalone};
 
 /// A host that knows the control's variables, identifiers, modal groups and diagnostics, but no machine and no program.
 pub(super) fn standalone() -> Standalone {
     let mut host = Standalone::bare();
     for variable in system::table() {
-        let nullable = matches!(variable.first, Value::Null);
+        let nullable = matches!(variable.first, MacroValue::Null);
         let domain = Domain { indices: variable.indices.clone(), values: variable.range, nullable };
         host.system_variable(variable.symbol(), variable.first.clone(), domain);
     }

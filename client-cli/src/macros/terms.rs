@@ -5,7 +5,9 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_lang::format::{Code, Format, Numeric, Piece, Point, Register, Style, Zeros, wildcard_text};
+use counterpoint_lang::format::{
+    ColumnStyle, FormatCode, FormatPiece, FormatRegister, Numeric, PointStyle, StringFormat, ZeroStyle, wildcard_text,
+};
 use counterpoint_lang::ident::{self, Reserved};
 
 /// Spellings, divided by blanks, and their meaning.
@@ -273,14 +275,14 @@ fn format_text(what: &str) -> Option<String> {
     if !what.starts_with('!') {
         return None;
     }
-    let format = Format::output(what).or_else(|_| Format::input(what)).ok()?;
+    let format = StringFormat::output(what).or_else(|_| StringFormat::input(what)).ok()?;
     let mut out = format!("{what}\nFormat\n\n");
     for piece in &format.pieces {
         match piece {
-            Piece::Literal(text) => {
+            FormatPiece::Literal(text) => {
                 let _ = writeln!(out, "'{text}' as it is.");
             }
-            Piece::Code(code) => {
+            FormatPiece::Code(code) => {
                 let _ = writeln!(out, "{}.", self::code(code));
             }
         }
@@ -288,7 +290,7 @@ fn format_text(what: &str) -> Option<String> {
     Some(out)
 }
 
-fn code(code: &Code) -> String {
+fn code(code: &FormatCode) -> String {
     let words = |what: &str, width: usize, lower: bool| {
         let case = if lower { " in lower case" } else { "" };
         let fit = if width == 0 {
@@ -299,43 +301,43 @@ fn code(code: &Code) -> String {
         format!("{what}{case}{fit}")
     };
     match code {
-        Code::Number(numeric) => number(numeric),
-        Code::Text { width, lower } => words("A text", *width, *lower),
-        Code::Minor { width, lower } => words("Name of a keyword", *width, *lower),
-        Code::Record { width, lower } => words("Name of a record", *width, *lower),
-        Code::Logical { width, lower } => words("TRUE or FALSE", *width, *lower),
-        Code::Column { column, back: true } => format!("Continue in column {column}, cutting off the text from there on"),
-        Code::Column { column, back: false } => format!("Continue in column {column}, never backwards"),
-        Code::Skip(count) => format!("Skip {count} characters (READ)"),
-        Code::Any => "A value of any type by default rules: a number as !(s9f9s), texts and names as they are, $NULL, a sequence as <1,2>".to_owned(),
-        Code::Register { register, word, argument } => {
+        FormatCode::Number(numeric) => number(numeric),
+        FormatCode::Text { width, lower } => words("A text", *width, *lower),
+        FormatCode::Minor { width, lower } => words("Name of a keyword", *width, *lower),
+        FormatCode::Record { width, lower } => words("Name of a record", *width, *lower),
+        FormatCode::Logical { width, lower } => words("TRUE or FALSE", *width, *lower),
+        FormatCode::Column { column, back: true } => format!("Continue in column {column}, cutting off the text from there on"),
+        FormatCode::Column { column, back: false } => format!("Continue in column {column}, never backwards"),
+        FormatCode::Skip(count) => format!("Skip {count} characters (READ)"),
+        FormatCode::Any => "A value of any type by default rules: a number as !(s9f9s), texts and names as they are, $NULL, a sequence as <1,2>".to_owned(),
+        FormatCode::Register { register, word, argument } => {
             let register = match register {
-                Register::Index(index) => format!("register {index}"),
-                Register::Letter(letter) => format!("register {letter}"),
+                FormatRegister::Index(index) => format!("register {index}"),
+                FormatRegister::Letter(letter) => format!("register {letter}"),
             };
             let what = if *word { "word" } else { "value" };
             let from = if *argument { "A number" } else { "The current value" };
             format!("{from} as the {what} of {register}")
         }
-        Code::Character => "The character whose code is the number".to_owned(),
+        FormatCode::Character => "The character whose code is the number".to_owned(),
     }
 }
 
 fn number(numeric: &Numeric) -> String {
-    let zeros = |zeros: Zeros, which: &str| match zeros {
-        Zeros::Shown => format!("{which} zeros shown"),
-        Zeros::Dropped => format!("{which} zeros dropped"),
-        Zeros::KeepOne => format!("one digit of {which} zeros kept"),
+    let zeros = |zeros: ZeroStyle, which: &str| match zeros {
+        ZeroStyle::Shown => format!("{which} zeros shown"),
+        ZeroStyle::Dropped => format!("{which} zeros dropped"),
+        ZeroStyle::KeepOne => format!("one digit of {which} zeros kept"),
     };
     let point = match numeric.point {
-        Point::Implied => "no point",
-        Point::Always => "a point always",
-        Point::WithFraction => "a point before a fraction only",
+        PointStyle::Implied => "no point",
+        PointStyle::Always => "a point always",
+        PointStyle::WithFraction => "a point before a fraction only",
     };
     let style = match numeric.style {
-        Style::Variable => "",
-        Style::Fixed => ", fixed width with the sign before the first digit",
-        Style::Signed => ", fixed width with the sign in the first column",
+        ColumnStyle::Variable => "",
+        ColumnStyle::Fixed => ", fixed width with the sign before the first digit",
+        ColumnStyle::Signed => ", fixed width with the sign in the first column",
     };
     let what = if numeric.groups.is_empty() { "A number" } else { "A time, given in seconds" };
     let samples: &[f64] = if numeric.groups.is_empty() { &[7.35, -12.0, 0.0] } else { &[8987.0, 35.5] };

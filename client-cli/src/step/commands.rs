@@ -23,7 +23,7 @@ Short: s, o, c, u, b, q. Ctrl-C pauses a running job and cancels a stopped job. 
 
 /// A line of the input.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Line {
+pub(super) enum StepInput {
     Nothing,
     Help,
     Quit,
@@ -37,11 +37,11 @@ pub(super) enum Line {
 }
 
 /// Reads a line.
-pub(super) fn read(text: &str) -> Result<Line, String> {
+pub(super) fn read(text: &str) -> Result<StepInput, String> {
     let text = text.split(';').next().unwrap_or("");
     let mut words: Vec<&str> = text.split_whitespace().collect();
     if words.is_empty() {
-        return Ok(Line::Nothing);
+        return Ok(StepInput::Nothing);
     }
     let command = words.remove(0).to_lowercase();
     let count = match words.last().and_then(|word| times(word)) {
@@ -62,21 +62,21 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
         }
     }
     let line = match (&*command, &words[..]) {
-        ("continue" | "c", []) => Line::Run(What::Action(v1::DebugAction::Continue.into())),
-        ("until" | "u", place) => Line::Until(v1::Breakpoint { at: Some(at(place)?), count, once: true, id: 0 }),
+        ("continue" | "c", []) => StepInput::Run(What::Action(v1::DebugAction::Continue.into())),
+        ("until" | "u", place) => StepInput::Until(v1::Breakpoint { at: Some(at(place)?), count, once: true, id: 0 }),
         ("break" | "b", place) => {
-            Line::Set(What::Add(v1::Breakpoint { at: Some(at(place)?), count, once: false, id: 0 }))
+            StepInput::Set(What::Add(v1::Breakpoint { at: Some(at(place)?), count, once: false, id: 0 }))
         }
-        ("clear", []) => Line::Set(What::Remove(0)),
-        ("clear", [id]) => Line::Set(What::Remove(number(id, "the number of a breakpoint")?)),
-        ("hold", []) => Line::Set(What::Hold(0)),
-        ("hold", [of]) => Line::Set(What::Hold(channel(of)?)),
-        ("resume", []) => Line::Set(What::Resume(0)),
-        ("resume", [of]) => Line::Set(What::Resume(channel(of)?)),
-        ("reset", [of]) => Line::Set(What::Reset(channel(of)?)),
-        ("show", []) => Line::Show,
-        ("quit" | "q", []) => Line::Quit,
-        ("help" | "?", []) => Line::Help,
+        ("clear", []) => StepInput::Set(What::Remove(0)),
+        ("clear", [id]) => StepInput::Set(What::Remove(number(id, "the number of a breakpoint")?)),
+        ("hold", []) => StepInput::Set(What::Hold(0)),
+        ("hold", [of]) => StepInput::Set(What::Hold(channel(of)?)),
+        ("resume", []) => StepInput::Set(What::Resume(0)),
+        ("resume", [of]) => StepInput::Set(What::Resume(channel(of)?)),
+        ("reset", [of]) => StepInput::Set(What::Reset(channel(of)?)),
+        ("show", []) => StepInput::Show,
+        ("quit" | "q", []) => StepInput::Quit,
+        ("help" | "?", []) => StepInput::Help,
         _ => return Err(format!("'{}' is not a command; help lists the commands", text.trim())),
     };
     Ok(line)
@@ -92,8 +92,8 @@ fn step_calls(command: &str) -> Option<v1::StepCalls> {
     })
 }
 
-fn step(channel: u32, all: bool, blocks: u32, calls: v1::StepCalls) -> Line {
-    Line::Run(What::Step(v1::DebugStep { channel, all, blocks, calls: calls.into() }))
+fn step(channel: u32, all: bool, blocks: u32, calls: v1::StepCalls) -> StepInput {
+    StepInput::Run(What::Step(v1::DebugStep { channel, all, blocks, calls: calls.into() }))
 }
 
 /// `x3`; none for another word.
@@ -139,7 +139,7 @@ mod tests {
 
     fn added(text: &str) -> (At, u32) {
         match read(text) {
-            Ok(Line::Set(What::Add(breakpoint))) => (breakpoint.at.unwrap(), breakpoint.count),
+            Ok(StepInput::Set(What::Add(breakpoint))) => (breakpoint.at.unwrap(), breakpoint.count),
             other => panic!("{text}: {other:?}"),
         }
     }
@@ -152,13 +152,13 @@ mod tests {
         assert_eq!(read("step all X2"), Ok(step(0, true, 2, Into)));
         assert_eq!((read("over"), read("o 2 x4")), (Ok(step(0, false, 0, Over)), Ok(step(2, false, 4, Over))));
         assert_eq!((read("out"), read("out all x2")), (Ok(step(0, false, 0, Out)), Ok(step(0, true, 2, Out))));
-        assert_eq!(read("hold"), Ok(Line::Set(What::Hold(0))));
-        assert_eq!(read("resume 2"), Ok(Line::Set(What::Resume(2))));
-        assert_eq!(read("clear 4"), Ok(Line::Set(What::Remove(4))));
-        assert_eq!(read("; nothing"), Ok(Line::Nothing));
-        assert_eq!(read("q"), Ok(Line::Quit));
+        assert_eq!(read("hold"), Ok(StepInput::Set(What::Hold(0))));
+        assert_eq!(read("resume 2"), Ok(StepInput::Set(What::Resume(2))));
+        assert_eq!(read("clear 4"), Ok(StepInput::Set(What::Remove(4))));
+        assert_eq!(read("; nothing"), Ok(StepInput::Nothing));
+        assert_eq!(read("q"), Ok(StepInput::Quit));
         let until = v1::Breakpoint { id: 0, at: Some(At::Wait(String::new())), count: 3, once: true };
-        assert_eq!(read("until wait x3"), Ok(Line::Until(until)));
+        assert_eq!(read("until wait x3"), Ok(StepInput::Until(until)));
     }
 
     #[test]

@@ -17,13 +17,13 @@ use tokio::sync::{Notify, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::attend::{gone, lines};
-use crate::client::Client;
+use crate::client::ServerSession;
 use crate::error::Error;
 use crate::say::{self, BAD, DIM, styled};
-use commands::{HELP, Line};
+use commands::{HELP, StepInput};
 
 /// A connection that steps through a job.
-pub(crate) struct Stepper {
+pub(crate) struct StepClient {
     say: mpsc::Sender<v1::DebugRequest>,
     heard: tonic::Streaming<v1::DebugResponse>,
     lines: mpsc::UnboundedReceiver<String>,
@@ -53,9 +53,9 @@ impl Interrupt {
     }
 }
 
-impl Stepper {
+impl StepClient {
     /// Connects to a job.
-    pub(crate) async fn start(client: &Client, job: &str) -> Result<Self, Error> {
+    pub(crate) async fn start(client: &ServerSession, job: &str) -> Result<Self, Error> {
         let (say, requests) = mpsc::channel(4);
         let first = v1::DebugRequest { content: Some(Say::JobId(job.to_owned())) };
         say.send(first).await.map_err(|_| gone())?;
@@ -77,25 +77,25 @@ impl Stepper {
                 Err(why) => return Err(Error::Usage(format!("line {} of the commands: {why}", self.line))),
             };
             match line {
-                Line::Nothing => {}
-                Line::Help => say::status_line(HELP),
-                Line::Quit => break,
-                Line::Until(breakpoint) => {
+                StepInput::Nothing => {}
+                StepInput::Help => say::status_line(HELP),
+                StepInput::Quit => break,
+                StepInput::Until(breakpoint) => {
                     self.send(What::Add(breakpoint)).await?;
                     if self.answer(false).await? {
                         self.send(What::Action(v1::DebugAction::Continue.into())).await?;
                         self.stop(interrupt).await?;
                     }
                 }
-                Line::Show => {
+                StepInput::Show => {
                     self.send(What::Action(v1::DebugAction::Show.into())).await?;
                     self.answer(true).await?;
                 }
-                Line::Run(what) => {
+                StepInput::Run(what) => {
                     self.send(what).await?;
                     self.stop(interrupt).await?;
                 }
-                Line::Set(what) => {
+                StepInput::Set(what) => {
                     self.send(what).await?;
                     self.answer(false).await?;
                 }

@@ -5,8 +5,8 @@
 
 use std::fmt::Write as _;
 
-use super::columns::{self, Column};
-use super::{Facts, LengthUnit, Tools};
+use super::columns::{self, ToolColumn};
+use super::{LengthUnit, ToolDefinitions, ToolImportContext};
 use crate::error::Error;
 
 /// First number for tools that have a name and no number.
@@ -14,7 +14,7 @@ const FIRST_WITHOUT_NUMBER: u32 = 20_001;
 
 /// Values of a line.
 #[derive(Debug, Default)]
-struct Row {
+struct ToolCsvRow {
     number: Option<u32>,
     offset: Option<u32>,
     edge: Option<u32>,
@@ -27,10 +27,10 @@ struct Row {
     wear: Vec<String>,
 }
 
-impl Row {
+impl ToolCsvRow {
     /// Adds a value along each axis that programs call by a name; a name without an axis stays, for the message of the
     /// loader.
-    fn along(into: &mut Vec<String>, axis: &str, value: f64, machine: &Facts) {
+    fn along(into: &mut Vec<String>, axis: &str, value: f64, machine: &ToolImportContext) {
         let known = machine.axes(axis);
         let axes = if known.is_empty() { vec![axis] } else { known };
         into.extend(axes.into_iter().map(|axis| format!("{} = {value:?}", toml::Value::String(axis.to_owned()))));
@@ -40,7 +40,12 @@ impl Row {
     ///
     /// # Errors
     /// The reason why the column does not take it.
-    fn take(&mut self, (column, scale): (&Column, f64), cell: &str, table: &Table<'_>) -> Result<(), String> {
+    fn take(
+        &mut self,
+        (column, scale): (&ToolColumn, f64),
+        cell: &str,
+        table: &ToolCsvReader<'_>,
+    ) -> Result<(), String> {
         let value = || {
             let cell = if table.decimal_comma { cell.replace(',', ".") } else { cell.to_owned() };
             let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
@@ -50,30 +55,30 @@ impl Row {
         let whole = || cell.trim_start_matches(['T', 't', 'D', 'd', 'H', 'h']).parse::<u32>();
         let machine = table.machine;
         match column {
-            Column::Number => match whole() {
+            ToolColumn::Number => match whole() {
                 Ok(number) => self.number = Some(number),
-                Err(_) if machine.by_name && !table.columns.contains(&Column::Name) => {
+                Err(_) if machine.by_name && !table.columns.contains(&ToolColumn::Name) => {
                     self.name = Some(cell.to_owned())
                 }
                 Err(_) => return Err(format!("'{cell}' is not a tool number")),
             },
-            Column::Offset => self.offset = Some(whole().map_err(|_| format!("'{cell}' is not an offset number"))?),
-            Column::Edge => {
+            ToolColumn::Offset => self.offset = Some(whole().map_err(|_| format!("'{cell}' is not an offset number"))?),
+            ToolColumn::Edge => {
                 let edge = whole().ok().filter(|edge| (1..machine.edges).contains(edge));
                 self.edge =
                     Some(edge.ok_or_else(|| format!("'{cell}' is not an edge (D1 to D{})", machine.edges - 1))?);
             }
-            Column::Name => self.name = Some(cell.to_owned()),
-            Column::Diameter => {
+            ToolColumn::Name => self.name = Some(cell.to_owned()),
+            ToolColumn::Diameter => {
                 let value = value()?;
                 self.radius = self.radius.or(Some(value / 2.0));
                 let _ = write!(self.of_data, ", diameter = {value:?}");
             }
-            Column::Unit => {}
-            Column::Radius => self.radius = Some(value()?),
-            Column::Corner => drop(write!(self.of_data, ", radius = {:?}", value()?)),
-            Column::Tip => drop(write!(self.of_offset, ", tip = {}", value()?)),
-            Column::Length => {
+            ToolColumn::Unit => {}
+            ToolColumn::Radius => self.radius = Some(value()?),
+            ToolColumn::Corner => drop(write!(self.of_data, ", radius = {:?}", value()?)),
+            ToolColumn::Tip => drop(write!(self.of_offset, ", tip = {}", value()?)),
+            ToolColumn::Length => {
                 let value = value()?;
                 if value < 0.0 {
                     return Err(format!(
@@ -85,18 +90,18 @@ impl Row {
                     Self::along(&mut self.values, "Z", value, machine);
                 }
             }
-            Column::RadiusWear => drop(write!(self.of_offset, ", radius_wear = {:?}", value()?)),
-            Column::LengthWear if table.length_is_along_z => Self::along(&mut self.wear, "Z", value()?, machine),
-            Column::LengthWear => {}
-            Column::Axis(axis) => Self::along(&mut self.values, axis, value()?, machine),
-            Column::Wear(axis) => Self::along(&mut self.wear, axis, value()?, machine),
+            ToolColumn::RadiusWear => drop(write!(self.of_offset, ", radius_wear = {:?}", value()?)),
+            ToolColumn::LengthWear if table.length_is_along_z => Self::along(&mut self.wear, "Z", value()?, machine),
+            ToolColumn::LengthWear => {}
+            ToolColumn::Axis(axis) => Self::along(&mut self.values, axis, value()?, machine),
+            ToolColumn::Wear(axis) => Self::along(&mut self.wear, axis, value()?, machine),
         }
         Ok(())
     }
 
     /// Number of the tool, which a name may replace, and of its offset.
-    fn numbers(&self, table: &mut Table<'_>) -> Result<(u32, u32), String> {
-        let offset = self.offset.filter(|_| table.columns.contains(&Column::Offset));
+    fn numbers(&self, table: &mut ToolCsvReader<'_>) -> Result<(u32, u32), String> {
+        let offset = self.offset.filter(|_| table.columns.contains(&ToolColumn::Offset));
         let number = match (self.number.or(offset), &self.name) {
             (Some(number), _) => number,
             (None, Some(name)) if table.machine.by_name => table.number_of(name),
@@ -110,9 +115,9 @@ impl Row {
 }
 
 /// The head of the file, and the tools so far.
-struct Table<'m> {
-    machine: &'m Facts,
-    columns: Vec<Column>,
+struct ToolCsvReader<'m> {
+    machine: &'m ToolImportContext,
+    columns: Vec<ToolColumn>,
     /// Numbers may have a decimal comma.
     decimal_comma: bool,
     length_is_along_z: bool,
@@ -122,7 +127,7 @@ struct Table<'m> {
     names: Vec<String>,
 }
 
-impl Table<'_> {
+impl ToolCsvReader<'_> {
     fn number_of(&mut self, name: &str) -> u32 {
         let known = self.names.iter().position(|known| known.eq_ignore_ascii_case(name));
         let at = known.unwrap_or_else(|| {
@@ -134,7 +139,7 @@ impl Table<'_> {
 }
 
 /// Reads the text of a file.
-pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, Error> {
+pub(super) fn read(file: String, text: &str, machine: &ToolImportContext) -> Result<ToolDefinitions, Error> {
     let wrong = |line: u64, text: String| Error::Usage(format!("{file}:{line}: {text}"));
     let text = format!("{}\n", text.trim_start_matches('\u{feff}').trim_end());
     let (head_line, head) = (1..).zip(text.lines()).find(|(_, line)| !line.starts_with('#')).unwrap_or((1, ""));
@@ -147,7 +152,7 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
         .from_reader(text.as_bytes());
     let titles = reader.headers().map_err(|error| wrong(1, error.to_string()))?.clone();
     let known: Result<Vec<_>, String> = titles.iter().map(|title| columns::column(title, machine)).collect();
-    let (columns, units): (Vec<Column>, Vec<Option<LengthUnit>>) =
+    let (columns, units): (Vec<ToolColumn>, Vec<Option<LengthUnit>>) =
         known.map_err(|text| wrong(head_line, text))?.into_iter().unzip();
     for (at, column) in columns.iter().enumerate() {
         let before = columns.iter().take(at).position(|other| other == column);
@@ -159,15 +164,15 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
             ));
         }
     }
-    let has = |column: &Column| columns.contains(column);
-    if !(has(&Column::Number) || has(&Column::Offset) || machine.by_name && has(&Column::Name)) {
+    let has = |column: &ToolColumn| columns.contains(column);
+    if !(has(&ToolColumn::Number) || has(&ToolColumn::Offset) || machine.by_name && has(&ToolColumn::Name)) {
         let text =
             "the first line names the columns: number, and name, diameter, radius, tip, length or the names of axes";
         return Err(wrong(head_line, text.to_owned()));
     }
-    let is_z = |column: &Column| matches!(column, Column::Axis(axis) if axis.trim_end_matches(|c: char| c.is_ascii_digit()).eq_ignore_ascii_case("Z"));
+    let is_z = |column: &ToolColumn| matches!(column, ToolColumn::Axis(axis) if axis.trim_end_matches(|c: char| c.is_ascii_digit()).eq_ignore_ascii_case("Z"));
     let length_is_along_z = !columns.iter().any(is_z) && !machine.axes("Z").is_empty();
-    let mut table = Table {
+    let mut table = ToolCsvReader {
         machine,
         columns: columns.clone(),
         decimal_comma: delimiter == ';',
@@ -192,12 +197,13 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
             return Err(wrong(line, format!("{} columns, where the first line names {}", record.len(), columns.len())));
         }
         let of_row = unit_of_row(&columns, &record).map_err(|text| wrong(line, text))?;
-        let lacks =
-            |((column, unit), _): ((&Column, &Option<LengthUnit>), &str)| unit.is_none() && column.is_length(machine);
-        if of_row.is_none() && has(&Column::Unit) && cells.clone().any(lacks) {
+        let lacks = |((column, unit), _): ((&ToolColumn, &Option<LengthUnit>), &str)| {
+            unit.is_none() && column.is_length(machine)
+        };
+        if of_row.is_none() && has(&ToolColumn::Unit) && cells.clone().any(lacks) {
             return Err(wrong(line, "the row does not say the unit of its lengths (mm, inch)".to_owned()));
         }
-        let mut row = Row::default();
+        let mut row = ToolCsvRow::default();
         for ((column, unit), cell) in cells {
             let unit = unit.or(of_row).filter(|_| column.is_length(machine));
             let scale = unit.map_or(1.0, |unit| unit.in_unit(machine.unit));
@@ -228,17 +234,17 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
         }
     }
     let lines = [of_offsets, vec![0], of_data, vec![0]].concat();
-    let names_unit = units.iter().any(Option::is_some) || columns.contains(&Column::Unit);
+    let names_unit = units.iter().any(Option::is_some) || columns.contains(&ToolColumn::Unit);
     let note = (!names_unit && columns.iter().any(|column| column.is_length(machine))).then(|| {
         let (unit, other) = (machine.unit, machine.unit.other());
         format!("{file}: lengths are in {unit}, the unit of the machine; a table in {other} says so in its titles (`length {other}`)")
     });
-    Ok(Tools { file, arrays: format!("{offsets}]\n{data}]\n"), sections: String::new(), lines, note })
+    Ok(ToolDefinitions { file, arrays: format!("{offsets}]\n{data}]\n"), sections: String::new(), lines, note })
 }
 
 /// The unit in the column of units of a row.
-fn unit_of_row(columns: &[Column], record: &csv::StringRecord) -> Result<Option<LengthUnit>, String> {
-    let cell = columns.iter().position(|column| *column == Column::Unit).and_then(|at| record.get(at));
+fn unit_of_row(columns: &[ToolColumn], record: &csv::StringRecord) -> Result<Option<LengthUnit>, String> {
+    let cell = columns.iter().position(|column| *column == ToolColumn::Unit).and_then(|at| record.get(at));
     let Some(cell) = cell.filter(|cell| !cell.is_empty()) else { return Ok(None) };
     LengthUnit::of(cell).map(Some).ok_or_else(|| format!("'{cell}' is not a unit of length (mm, inch)"))
 }

@@ -21,7 +21,7 @@ const KEYS: [&str; 3] = ["offsets", "data", "names"];
 
 /// Facts of a machine that give a CSV file its meaning.
 #[derive(Debug, Default)]
-pub(crate) struct Facts {
+pub(crate) struct ToolImportContext {
     /// Names of its axes.
     pub(crate) axes: Vec<String>,
     /// Offsets of a tool: edge D of tool T has the offset `edges` × T + D; 0 = the number of the tool.
@@ -34,7 +34,7 @@ pub(crate) struct Facts {
     unit: LengthUnit,
 }
 
-impl Facts {
+impl ToolImportContext {
     /// Facts from definitions of machines; earlier definitions take precedence.
     pub(crate) fn of<'t>(texts: impl Iterator<Item = &'t str>) -> Self {
         let tables: Vec<toml::Table> = texts.filter_map(|text| toml::from_str(text).ok()).collect();
@@ -84,7 +84,7 @@ impl Facts {
 
 /// Rows for a machine definition.
 #[derive(Debug)]
-pub(crate) struct Tools {
+pub(crate) struct ToolDefinitions {
     file: String,
     /// Rows as inline arrays, which come before the sections of the definition; of a CSV file.
     arrays: String,
@@ -96,9 +96,9 @@ pub(crate) struct Tools {
     pub(crate) note: Option<String>,
 }
 
-impl Tools {
+impl ToolDefinitions {
     /// Reads a file of tools for a machine.
-    pub(crate) fn read(path: &Path, machine: &Facts) -> Result<Self, Error> {
+    pub(crate) fn read(path: &Path, machine: &ToolImportContext) -> Result<Self, Error> {
         standard_input::refuse("--tools", path)?;
         let file = path.display().to_string();
         let text =
@@ -137,7 +137,7 @@ impl Tools {
     }
 }
 
-fn of_toml(file: String, text: String) -> Result<Tools, Error> {
+fn of_toml(file: String, text: String) -> Result<ToolDefinitions, Error> {
     let text = text.replace("\r\n", "\n");
     let table: toml::Table = toml::from_str(&text).map_err(|error| Error::Usage(format!("{file}: {error}")))?;
     let has = |key: &str, value: &toml::Value| match (key, value) {
@@ -149,7 +149,7 @@ fn of_toml(file: String, text: String) -> Result<Tools, Error> {
         return Err(Error::Usage(format!("{file}: `{key}` is not for a table of tools, which has only {TABLES}")));
     }
     let lines = (1..=text.lines().count()).collect();
-    Ok(Tools { file, arrays: String::new(), sections: text, lines, note: None })
+    Ok(ToolDefinitions { file, arrays: String::new(), sections: text, lines, note: None })
 }
 
 #[cfg(test)]

@@ -2,25 +2,30 @@
 
 use super::*;
 
-fn machine(axes: &[&str], edges: u32, by_name: bool) -> Facts {
-    Facts { axes: axes.iter().map(|&axis| axis.to_owned()).collect(), edges, by_name, ..Facts::default() }
+fn machine(axes: &[&str], edges: u32, by_name: bool) -> ToolImportContext {
+    ToolImportContext {
+        axes: axes.iter().map(|&axis| axis.to_owned()).collect(),
+        edges,
+        by_name,
+        ..ToolImportContext::default()
+    }
 }
 
-fn read(name: &str, text: &str) -> Result<Tools, String> {
+fn read(name: &str, text: &str) -> Result<ToolDefinitions, String> {
     read_for(name, text, &machine(&["X", "Y", "Z"], 0, false))
 }
 
 /// The tables of a file for a machine.
-fn tables(text: &str, machine: &Facts) -> toml::Table {
+fn tables(text: &str, machine: &ToolImportContext) -> toml::Table {
     toml::from_str(&read_for("tools.csv", text, machine).unwrap().definition("m-tools", "m")).unwrap()
 }
 
-fn read_for(name: &str, text: &str, machine: &Facts) -> Result<Tools, String> {
+fn read_for(name: &str, text: &str, machine: &ToolImportContext) -> Result<ToolDefinitions, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, text).unwrap();
     let file = path.display().to_string();
-    Tools::read(&path, machine).map_err(|error| error.to_string().replace(&file, name))
+    ToolDefinitions::read(&path, machine).map_err(|error| error.to_string().replace(&file, name))
 }
 
 #[test]
@@ -173,7 +178,7 @@ fn lengths_are_converted_into_the_unit_of_the_machine() {
             "[ce]\nunits = \"{units}\"\n[[axes]]\nname = \"Z\"\n[[axes]]\nname = \"C1\"\n[[axes]]\nname = \"Y\"\n\
              role = \"rotary\"\n"
         );
-        Facts::of([text.as_str()].into_iter())
+        ToolImportContext::of([text.as_str()].into_iter())
     };
     let metric = facts("mm");
     let by_title = tables("T,Dia inch,Length (in),Z mm,C1,tip\n1,0.5,4,2,90,3\n", &metric);

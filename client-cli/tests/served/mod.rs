@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 
 /// A server in this process until the test ends.
@@ -15,9 +15,9 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    pub(crate) fn start(folder: &Path, options: Options) -> Self {
+    pub(crate) fn start(folder: &Path, options: ServerOptions) -> Self {
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-        let options = Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..options };
+        let options = ServerOptions { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..options };
         let service = runtime.block_on(service::build(options)).unwrap();
         let url = service.handle().url();
         runtime.spawn(service.run(std::future::pending()));

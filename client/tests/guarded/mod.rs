@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use counterpoint_server::access::{Role, token};
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use rcgen::{BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair};
 
 /// Writes a new authority; returns its issuer.
@@ -28,7 +28,7 @@ fn certify(folder: &Path, name: &str, host: &str, issuer: &Issuer<'_, KeyPair>, 
 }
 
 /// Options of a server with TLS and identities and with one place in its queue.
-pub(crate) fn options(folder: &Path) -> Options {
+pub(crate) fn options(folder: &Path) -> ServerOptions {
     let issuer = authority(&folder.join("ca.pem"));
     authority(&folder.join("other.pem"));
     certify(folder, "server", "localhost", &issuer, ExtendedKeyUsagePurpose::ServerAuth);
@@ -36,7 +36,7 @@ pub(crate) fn options(folder: &Path) -> Options {
     let (token, row) = token::create("ci", "milling", Role::Submit, None).unwrap();
     std::fs::write(folder.join("token"), token).unwrap();
     std::fs::write(folder.join("access.toml"), row).unwrap();
-    let mut options = Options { workers: 1, queue: 1, ..Options::default() };
+    let mut options = ServerOptions { workers: 1, queue: 1, ..ServerOptions::default() };
     options.guard.access = folder.join("access.toml");
     options.guard.tls_cert = folder.join("server.pem");
     options.guard.tls_key = folder.join("server.key");

@@ -5,17 +5,17 @@
 
 /// Levels that were set aside.
 #[derive(Debug, Clone)]
-pub struct Aside<T>(Vec<Called<T>>);
+pub struct Aside<T>(Vec<CallStackEntry<T>>);
 
 /// Local data of each running program and part.
 #[derive(Debug, Clone, Default)]
 pub struct CallStack<T> {
     main: T,
-    called: Vec<Called<T>>,
+    called: Vec<CallStackEntry<T>>,
 }
 
 #[derive(Debug, Clone)]
-struct Called<T> {
+struct CallStackEntry<T> {
     level: T,
     /// A part of the program below it.
     part: bool,
@@ -29,12 +29,12 @@ impl<T> CallStack<T> {
 
     /// A program is called.
     pub fn enter(&mut self, level: T) {
-        self.called.push(Called { level, part: false });
+        self.called.push(CallStackEntry { level, part: false });
     }
 
     /// A part of the program that runs is called.
     pub fn enter_part(&mut self, level: T) {
-        self.called.push(Called { level, part: true });
+        self.called.push(CallStackEntry { level, part: true });
     }
 
     /// The innermost programs and parts are as if they did not run: a part of one that has called them is called next.

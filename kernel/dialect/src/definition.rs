@@ -4,7 +4,7 @@
 //! pre-processors is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
 use super::interpreter::{Interpreter, MacroCall};
-use super::outline::Reader;
+use super::outline::OutlineReader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::Syntax;
 
@@ -30,7 +30,7 @@ pub trait Dialect: Sync {
         false
     }
 
-    /// Subprograms may be read as contours ([`super::host::Flow::read_contour`]).
+    /// Subprograms may be read as contours ([`super::host::FlowHost::read_contour`]).
     fn reads_contours(&self) -> bool {
         false
     }
@@ -57,7 +57,7 @@ pub trait Dialect: Sync {
 
     /// Reads its blocks without executing them; none if it has no interpreter, or if the effect of its blocks is
     /// unknown.
-    fn reader(&self, _machine: &Machine) -> Option<Box<dyn Reader>> {
+    fn reader(&self, _machine: &Machine) -> Option<Box<dyn OutlineReader>> {
         None
     }
 

@@ -4,13 +4,13 @@
 
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
-use super::host::{Host, MadeWord};
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use super::host::{InterpreterHost, MadeWord};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 /// The interpreter of one kernel, with its variables.
 pub trait Interpreter: Send {
@@ -18,8 +18,8 @@ pub trait Interpreter: Send {
     /// so the interpreter never runs while a block of its own acts.
     ///
     /// # Errors
-    /// Faults that stop the channel; mistakes of the program are alarms by [`super::host::Report::alarm`].
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt>;
+    /// Faults that stop the channel; mistakes of the program are alarms by [`super::host::ReportHost::alarm`].
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt>;
 
     /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls
     /// by itself. None if the block has no words.
@@ -28,10 +28,10 @@ pub trait Interpreter: Send {
     /// The reason why the channel stops.
     fn arguments(
         &mut self,
-        _host: &mut dyn Host,
+        _host: &mut dyn InterpreterHost,
         _text: &[u8],
         _own: Option<(RegisterId, f64)>,
-    ) -> Result<Option<Arguments>, Halt> {
+    ) -> Result<Option<MacroArguments>, Halt> {
         Ok(None)
     }
 
@@ -44,34 +44,39 @@ pub trait Interpreter: Send {
     fn restart(&mut self, reset: bool);
 
     /// The main program is about to run; its file is loaded.
-    fn on_start(&mut self, _host: &mut dyn Host) {}
+    fn on_start(&mut self, _host: &mut dyn InterpreterHost) {}
 
     /// Makes the blocks of a resident program that is a cycle of the control, which a block calls by
-    /// [`super::host::Flow::call`]; false: the program is an ordinary one, whose blocks run.
+    /// [`super::host::FlowHost::call`]; false: the program is an ordinary one, whose blocks run.
     ///
     /// # Errors
     /// The reason why the channel stops: an argument of the cycle is wrong.
-    fn cycle(&mut self, _: &mut dyn Host, _: (FileId, Range), _: &mut MadeBlocks) -> Result<bool, Halt> {
+    fn cycle(
+        &mut self,
+        _: &mut dyn InterpreterHost,
+        _: (FileId, ProgramRange),
+        _: &mut MadeBlocks,
+    ) -> Result<bool, Halt> {
         Ok(false)
     }
 
-    /// A subprogram begins: one that [`super::host::Flow::call`] asked for, or another that words called.
-    fn on_call(&mut self, _host: &mut dyn Host) {}
+    /// A subprogram begins: one that [`super::host::FlowHost::call`] asked for, or another that words called.
+    fn on_call(&mut self, _host: &mut dyn InterpreterHost) {}
 
     /// A further pass of the subprogram begins.
     fn on_repeat(&mut self) {}
 
     /// A subprogram has returned.
-    fn on_return(&mut self, _host: &mut dyn Host) {}
+    fn on_return(&mut self, _host: &mut dyn InterpreterHost) {}
 
-    /// A block has moved, and modal calls are on ([`super::host::Flow::calls_modally`]).
-    fn on_move(&mut self, _host: &mut dyn Host) {}
+    /// A block has moved, and modal calls are on ([`super::host::FlowHost::calls_modally`]).
+    fn on_move(&mut self, _host: &mut dyn InterpreterHost) {}
 
     /// Called when the program ends with its end code while modal calls are active.
-    fn on_end(&mut self, _host: &mut dyn Host) {}
+    fn on_end(&mut self, _host: &mut dyn InterpreterHost) {}
 
     /// A word of the machine jumps within the program while the program is in loops.
-    fn on_jump(&mut self, _host: &mut dyn Host, _target: Spot) {}
+    fn on_jump(&mut self, _host: &mut dyn InterpreterHost, _target: BlockStart) {}
 
     /// Discards the lines read so far, because lines or levels of optional skip have changed.
     fn forget_lines(&mut self) {}
@@ -80,16 +85,27 @@ pub trait Interpreter: Send {
     ///
     /// # Errors
     /// The job was stopped.
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt>;
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt>;
 
     /// `$FCESNCV`: sets a variable that exists; whether it was set.
     ///
     /// # Errors
     /// The job was stopped.
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt>;
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt>;
 
     /// `$FCEPP`: a setting by its name, words joined by commas as in `PROCESS,SUBPROGRAMS`, with its values.
-    fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting;
+    fn setting(&mut self, host: &mut dyn InterpreterHost, name: &str, values: &[MacroValue]) -> SettingOutcome;
 
     /// Whether the line of the file is known as a statement: its text need not be split to find that out.
     ///
@@ -103,7 +119,7 @@ pub trait Interpreter: Send {
     ///
     /// # Errors
     /// As those of [`block`](Self::block).
-    fn known_block(&mut self, _: &mut dyn Host, _: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
+    fn known_block(&mut self, _: &mut dyn InterpreterHost, _: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         None
     }
 
@@ -181,13 +197,13 @@ pub enum Remaining {
     /// Nothing.
     Nothing,
     /// The words that the interpreter has put in the block, or in several blocks
-    /// ([`super::host::Words::end_block`]).
+    /// ([`super::host::WordHost::end_block`]).
     Words,
 }
 
 /// Outcome of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Setting {
+pub enum SettingOutcome {
     /// It holds from now on.
     Made,
     /// It cannot have the value.
@@ -213,15 +229,15 @@ pub enum MacroCall {
 
 /// The words of a macro call.
 #[derive(Debug, Default)]
-pub struct Arguments {
+pub struct MacroArguments {
     /// Number of the program.
     pub program: Option<f64>,
     /// Number of the program as written; none if it is computed.
-    pub program_number: Option<(RegisterId, Number)>,
+    pub program_number: Option<(RegisterId, WrittenNumber)>,
     /// Passes.
     pub count: Option<f64>,
     /// Passes as written; none if they are computed.
-    pub count_number: Option<(RegisterId, Number)>,
+    pub count_number: Option<(RegisterId, WrittenNumber)>,
     /// How the block calls, if one of its words says so.
     pub call: Option<MacroCall>,
     /// Values by number of the local variable.

@@ -27,13 +27,17 @@ mod text;
 mod words;
 
 pub use call_stack::{Aside, CallStack};
-pub use counterpoint_program::search::Search;
+pub use counterpoint_program::search::LabelSearchOrder;
 pub use definition::{Dialect, Unknown};
 pub use host::{
-    Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NO_OFFSET, NotThere, Operands, Place,
-    Programs, Report, Shape, Signal, Values, Words,
+    AxisPlace, Coordination, FlowHost, FrameHost, IdentificationAnswer, LoopStack, MadeWord, ModalSnapshot, NO_OFFSET,
+    NamedContour, NotThere, Operands, ProgramHost, ProgramPlace, ReportHost, Signal, SubprogramCall, ValueHost,
+    WordHost,
 };
-pub use interpreter::{CycleWord, Interpreter, MacroCall, MadeBlocks, Remaining, Setting};
+pub use interpreter::{CycleWord, Interpreter, MacroCall, MadeBlocks, Remaining, SettingOutcome};
 pub use numeric::{VACANT, is_vacant};
-pub use outline::{Argument, Called, Deed, Goal, Named, Reader, Signalled, Step, sequence};
+pub use outline::{
+    CallOutline, JumpDestination, NamedStatement, OutlineReader, OutlineStep, SignalOp, Signalled, StatementArgument,
+    sequence,
+};
 pub use table::{all, of};

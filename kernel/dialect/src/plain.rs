@@ -4,9 +4,9 @@ use super::definition::Dialect;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
 /// A control that understands words and nothing else.
-pub(crate) struct Control;
+pub(crate) struct PlainDialect;
 
-impl Dialect for Control {
+impl Dialect for PlainDialect {
     fn name(&self) -> &'static str {
         "none"
     }

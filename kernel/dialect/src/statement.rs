@@ -2,29 +2,29 @@
 //!
 //! A statement is a constant of this file. Each dialect that has the statement names it in a row of its table of
 //! keywords, reads the operands in its own notation and evaluates them. *Invariant:* a statement reaches its kernel
-//! only through `Host`.
+//! only through `InterpreterHost`.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// A statement.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shared {
+pub(crate) struct SharedStatement {
     /// Numbers that it takes.
     pub(crate) operands: usize,
-    act: fn(&mut dyn Host, &[f64]) -> Acted,
+    act: fn(&mut dyn InterpreterHost, &[f64]) -> Acted,
 }
 
 /// Most operands of a statement.
 const OPERANDS: usize = 4;
 
 /// Keywords of a dialect, or their replacements, with their statements.
-pub(crate) type Statements<K> = &'static [(K, &'static Shared)];
+pub(crate) type Statements<K> = &'static [(K, &'static SharedStatement)];
 
 /// Returns from the subprogram, or ends the main program.
-pub(crate) static RETURN: Shared = Shared {
+pub(crate) static RETURN: SharedStatement = SharedStatement {
     operands: 0,
     act: |host, _| {
         host.return_from();
@@ -33,7 +33,7 @@ pub(crate) static RETURN: Shared = Shared {
 };
 
 /// Opens the output of the program.
-pub(crate) static OPEN_OUTPUT: Shared = Shared {
+pub(crate) static OPEN_OUTPUT: SharedStatement = SharedStatement {
     operands: 0,
     act: |host, _| {
         host.open_output(true);
@@ -42,7 +42,7 @@ pub(crate) static OPEN_OUTPUT: Shared = Shared {
 };
 
 /// Closes the output of the program.
-pub(crate) static CLOSE_OUTPUT: Shared = Shared {
+pub(crate) static CLOSE_OUTPUT: SharedStatement = SharedStatement {
     operands: 0,
     act: |host, _| {
         host.open_output(false);
@@ -51,10 +51,10 @@ pub(crate) static CLOSE_OUTPUT: Shared = Shared {
 };
 
 /// Understood, and without effect on the emulation.
-pub(crate) static IDLE: Shared = Shared { operands: 0, act: |_, _| Ok(()) };
+pub(crate) static IDLE: SharedStatement = SharedStatement { operands: 0, act: |_, _| Ok(()) };
 
 /// Raises an alarm by its number.
-pub(crate) static ALARM: Shared = Shared {
+pub(crate) static ALARM: SharedStatement = SharedStatement {
     operands: 1,
     act: |host, operands| {
         let number = operands.first().copied().unwrap_or(0.0);
@@ -63,13 +63,13 @@ pub(crate) static ALARM: Shared = Shared {
     },
 };
 
-impl PartialEq for Shared {
+impl PartialEq for SharedStatement {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
     }
 }
 
-impl Shared {
+impl SharedStatement {
     /// The statement of a keyword.
     pub(crate) fn of<K: PartialEq>(statements: Statements<K>, key: K) -> Option<&'static Self> {
         statements.iter().find(|(known, _)| *known == key).map(|(_, statement)| *statement)
@@ -81,9 +81,9 @@ impl Shared {
     /// An operand has no value, or the statement stops the channel.
     pub(crate) fn execute<X, E: From<diag::Halt>>(
         &self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         operands: &[X],
-        mut value: impl FnMut(&mut dyn Host, &X) -> Result<f64, E>,
+        mut value: impl FnMut(&mut dyn InterpreterHost, &X) -> Result<f64, E>,
     ) -> Result<(), E> {
         let mut values = [0.0; OPERANDS];
         for (slot, operand) in values.iter_mut().zip(operands) {
@@ -101,8 +101,8 @@ mod tests {
     #[test]
     fn a_statement_is_found_by_its_key_word() {
         const ROWS: Statements<&str> = &[("RTS", &RETURN), ("ERR", &ALARM)];
-        assert_eq!(Shared::of(ROWS, "ERR").map(|statement| statement.operands), Some(1));
-        assert_eq!(Shared::of(ROWS, "RTX").map(|statement| statement.operands), None);
+        assert_eq!(SharedStatement::of(ROWS, "ERR").map(|statement| statement.operands), Some(1));
+        assert_eq!(SharedStatement::of(ROWS, "RTX").map(|statement| statement.operands), None);
         assert!(ROWS.iter().all(|(_, statement)| statement.operands <= OPERANDS));
     }
 }

@@ -8,8 +8,14 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
 
 /// A new dialect is one line here, one in the table of [`Preprocessor`], and its folder.
-static DIALECTS: [&dyn Dialect; 6] =
-    [&plain::Control, &fanuc::Control, &okuma::Control, &siemens::Control, &heidenhain::Control, &isg::Control];
+static DIALECTS: [&dyn Dialect; 6] = [
+    &plain::PlainDialect,
+    &fanuc::FanucDialect,
+    &okuma::OkumaDialect,
+    &siemens::SiemensDialect,
+    &heidenhain::HeidenhainDialect,
+    &isg::IsgDialect,
+];
 
 /// All dialects.
 pub fn all() -> impl Iterator<Item = &'static dyn Dialect> {
@@ -22,7 +28,7 @@ pub fn of(machine: &Machine) -> &'static dyn Dialect {
 }
 
 fn by_preprocessor(preprocessor: Preprocessor) -> &'static dyn Dialect {
-    all().find(|dialect| dialect.name() == preprocessor.row().name).unwrap_or(&plain::Control)
+    all().find(|dialect| dialect.name() == preprocessor.row().name).unwrap_or(&plain::PlainDialect)
 }
 
 #[cfg(test)]

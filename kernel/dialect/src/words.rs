@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use crate::host::{Host, Words};
+use crate::host::{InterpreterHost, WordHost};
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use rustc_hash::FxHashMap;
 
@@ -32,7 +32,7 @@ pub(crate) struct Valued<'a> {
 
 impl Valued<'_> {
     /// Adds the word to the block; false if no register of the machine has its name.
-    pub(crate) fn push<W: Words + ?Sized>(&self, words: &mut W) -> bool {
+    pub(crate) fn push<W: WordHost + ?Sized>(&self, words: &mut W) -> bool {
         let register = words.register_named(self.name);
         if let Some(register) = register {
             words.push_value(register, self.value, self.spelled, self.span);
@@ -78,7 +78,7 @@ pub(crate) enum LeftValue<'a> {
 ///
 /// *Invariant:* a word is left as a value or as a row of the code table wherever its text alone decides its meaning.
 pub(crate) struct Leaving<'a> {
-    pub(crate) host: &'a mut dyn Host,
+    pub(crate) host: &'a mut dyn InterpreterHost,
     meanings: &'a mut Meanings,
     /// Texts that may together be a name of the machine, with their place.
     run: String,
@@ -86,7 +86,7 @@ pub(crate) struct Leaving<'a> {
 }
 
 impl<'a> Leaving<'a> {
-    pub(crate) fn new(host: &'a mut dyn Host, meanings: &'a mut Meanings) -> Self {
+    pub(crate) fn new(host: &'a mut dyn InterpreterHost, meanings: &'a mut Meanings) -> Self {
         Self { host, meanings, run: String::new(), run_place: (0, 0) }
     }
 
@@ -161,7 +161,7 @@ impl<'a> Leaving<'a> {
         row.is_some()
     }
 
-    /// Ends the words of a block; more words form a block of their own after [`Words::end_block`].
+    /// Ends the words of a block; more words form a block of their own after [`WordHost::end_block`].
     pub(crate) fn end(&mut self) {
         self.end_run();
     }

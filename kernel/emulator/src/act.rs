@@ -6,19 +6,19 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use counterpoint_fault::{Acted, Facts, Halt, Stop};
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
 
 use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use crate::channel::plan::Source;
-use crate::state::channel::Channel;
+use crate::channel::plan::DataSource;
+use crate::state::channel::ChannelContext;
 use crate::state::coupling::Parking;
-use crate::state::cycle::Hole;
-use crate::state::figure::Figure;
-use crate::state::frames::offsets::Table;
-use crate::state::spindle::Turning;
+use crate::state::cycle::CycleHole;
+use crate::state::figure::CopiedFigure;
+use crate::state::frames::offsets::OffsetTable;
+use crate::state::spindle::SpindleRotation;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{Motion, Position, ToolAction};
@@ -26,30 +26,30 @@ use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeRow;
-use counterpoint_program::block::{Datum, PendingCode};
-use counterpoint_sync::shared::Command;
+use counterpoint_program::block::{PendingCode, RetrievedValue};
+use counterpoint_sync::shared::SpindleCommand;
 use counterpoint_sync::wait::{self, Wait};
-use counterpoint_waits::coupling::Pair;
+use counterpoint_waits::coupling::CoupledPair;
 
 /// The effect of a code on its channel.
 pub(crate) trait CodeAction: Debug + Sync {
     /// Executes the code.
-    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted;
+    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted;
 }
 
 impl<T: CodeAction> Action for T {
     #[inline]
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
-        self.execute(&mut Act::new(kernel), row, code)
+        self.execute(&mut ActionContext::new(kernel), row, code)
     }
 }
 
 /// The context of an action.
-pub(crate) struct Act<'k, 'a> {
+pub(crate) struct ActionContext<'k, 'a> {
     kernel: &'k mut Kernel<'a>,
 }
 
-impl<'k, 'a> Act<'k, 'a> {
+impl<'k, 'a> ActionContext<'k, 'a> {
     /// Reads the numbers of the block again, in the unit that the block has selected. Reports values of the part that
     /// may be in the other unit.
     pub(crate) fn unit_selected(&mut self, inch: bool) -> Acted {
@@ -65,22 +65,22 @@ impl<'k, 'a> Act<'k, 'a> {
 
     /// The data of the channel.
     #[inline(always)]
-    pub(crate) fn channel(&self) -> &Channel<'a> {
+    pub(crate) fn channel(&self) -> &ChannelContext<'a> {
         &self.kernel.channel
     }
 
     /// The data of the channel, mutable.
     #[inline(always)]
-    pub(crate) fn channel_mut(&mut self) -> &mut Channel<'a> {
+    pub(crate) fn channel_mut(&mut self) -> &mut ChannelContext<'a> {
         &mut self.kernel.channel
     }
 }
 
 /// Data of the block.
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
-    pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
+    pub(crate) fn take(&mut self, id: DataId) -> Option<RetrievedValue> {
         self.kernel.take(id)
     }
 
@@ -123,12 +123,12 @@ impl Act<'_, '_> {
     }
 
     /// Registers of corners and of directions of lines.
-    pub(crate) fn contour_registers(&self) -> crate::channel::plan::Contour {
+    pub(crate) fn contour_registers(&self) -> crate::channel::plan::ContourRegisters {
         self.kernel.plan.registers.contour
     }
 
     /// Where the values of an identifier come from.
-    pub(crate) fn sources(&self, id: DataId) -> &[Source] {
+    pub(crate) fn sources(&self, id: DataId) -> &[DataSource] {
         self.kernel.plan.sources_of(id)
     }
 
@@ -154,14 +154,14 @@ impl Act<'_, '_> {
 }
 
 /// Events and diagnostics.
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Logs a diagnostic at the current block.
-    pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+    pub(crate) fn diagnose(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) {
         self.kernel.diagnose(facts, text);
     }
 
     /// Logs an alarm of the control and returns its effect.
-    pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+    pub(crate) fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.kernel.alarm(facts, text)
     }
 
@@ -171,7 +171,7 @@ impl Act<'_, '_> {
     }
 
     /// Adds a line to the trace if it shows this letter.
-    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Channel<'_>) -> String) {
+    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&ChannelContext<'_>) -> String) {
         self.kernel.trace(letter, |kernel| line(&kernel.channel));
     }
 
@@ -200,7 +200,7 @@ impl Act<'_, '_> {
 }
 
 /// The machine: motions, spindle, tools, heads, cycles. Its macros see them.
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Executes a motion.
     #[inline(always)]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
@@ -218,22 +218,22 @@ impl Act<'_, '_> {
     }
 
     /// Commanded state of the channel's spindle as of now.
-    pub(crate) fn spindle_command(&mut self) -> Result<Command, Halt> {
+    pub(crate) fn spindle_command(&mut self) -> Result<SpindleCommand, Halt> {
         self.kernel.current()
     }
 
     /// How the spindle turns now, `None` while it does not.
-    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
+    pub(crate) fn spindle_speed(&mut self) -> Result<Option<SpindleRotation>, Halt> {
         self.kernel.spindle_speed()
     }
 
     /// How the spindle turns during a time by its revolutions that begins now, `None` while it does not turn.
-    pub(crate) fn speed_from_now(&mut self) -> Result<Option<Turning>, Halt> {
+    pub(crate) fn speed_from_now(&mut self) -> Result<Option<SpindleRotation>, Halt> {
         self.kernel.speed_from_now()
     }
 
     /// The same for a cut, which begins together with that of the other channel in balance cutting.
-    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<Turning>, Halt> {
+    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<SpindleRotation>, Halt> {
         self.kernel.speed_of_cut()
     }
 
@@ -251,7 +251,7 @@ impl Act<'_, '_> {
     }
 
     /// Changes the command of the spindle, logs it, and lets the spindle run up.
-    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
         self.kernel.command_spindle(change)
     }
 
@@ -276,7 +276,7 @@ impl Act<'_, '_> {
     }
 
     /// Makes a hole, by way of its macro if there is one.
-    pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
+    pub(crate) fn cycle_event(&mut self, hole: &CycleHole) -> Acted {
         self.kernel.cycle_event(hole)
     }
 
@@ -293,7 +293,7 @@ impl Act<'_, '_> {
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
     pub(crate) fn set_offset(
         &mut self,
-        table: Table,
+        table: OffsetTable,
         number: u32,
         values: counterpoint_event::event::Position,
     ) -> bool {
@@ -312,7 +312,7 @@ impl Act<'_, '_> {
 }
 
 /// Requests to the flow of the program, which act at the end of the block, and to the other channels.
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Subprograms that are running, with the main program.
     pub(crate) fn call_depth(&self) -> usize {
         self.kernel.flow.frames.len()
@@ -329,7 +329,7 @@ impl Act<'_, '_> {
     }
 
     /// Calls a program whose passes are copies of a figure.
-    pub(crate) fn call_figure(&mut self, program: u32, passes: u32, figure: Box<Figure>) {
+    pub(crate) fn call_figure(&mut self, program: u32, passes: u32, figure: Box<CopiedFigure>) {
         self.kernel.ask(Pending::Figure { program, passes, figure });
     }
 
@@ -374,7 +374,7 @@ impl Act<'_, '_> {
     }
 
     /// Ends the program.
-    pub(crate) fn end_program(&mut self, stop: Stop) {
+    pub(crate) fn end_program(&mut self, stop: StopCode) {
         self.kernel.ask(Pending::End(stop));
     }
 
@@ -384,17 +384,17 @@ impl Act<'_, '_> {
     }
 
     /// Couples axes of this channel and another one.
-    pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
+    pub(crate) fn couple(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         self.kernel.couple(pair, parking)
     }
 
     /// The same where the program of this channel alone has the code.
-    pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
+    pub(crate) fn couple_alone(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         self.kernel.couple_alone(pair, parking)
     }
 
     /// Ends a coupling that only this channel has commanded.
-    pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
+    pub(crate) fn end_alone(&mut self, pair: CoupledPair) -> Acted {
         self.kernel.end_alone(pair)
     }
 
@@ -404,7 +404,7 @@ impl Act<'_, '_> {
     }
 
     /// Ends a coupling.
-    pub(crate) fn end_coupling(&mut self, pair: Pair) -> Acted {
+    pub(crate) fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
         self.kernel.end_coupling(pair)
     }
 
@@ -414,7 +414,7 @@ impl Act<'_, '_> {
     }
 
     /// Executes an act at which other channels may continue; it is shown as this wait would be.
-    pub(crate) fn let_continue(&mut self, deed: wait::Act, shown: Wait) -> Acted {
+    pub(crate) fn let_continue(&mut self, deed: wait::WaitOp, shown: Wait) -> Acted {
         self.kernel.let_continue(deed, shown)
     }
 }

@@ -17,13 +17,13 @@ mod system;
 mod trace;
 pub(crate) mod variables;
 
-use counterpoint_lang::diag::{Diagnostic, Number};
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::format::{Register, Registers};
-use counterpoint_lang::host::{Blocks, Command, Dialog, Host, HostFn, Step, Variables};
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{Scale, State};
-use counterpoint_sync::races::Mode;
+use counterpoint_lang::diag::{DiagnosticNumber, MacroDiagnostic};
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::format::{FormatRegister, RegisterHost};
+use counterpoint_lang::host::{CommandHost, ConsoleHost, HostCommand, HostFn, MacroHost, TraceStep, VariableHost};
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{MacroState, MemoryTally};
+use counterpoint_sync::races::AccessMode;
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
@@ -35,51 +35,51 @@ use counterpoint_machine::macros::model::Hook;
 
 impl Kernel<'_> {
     /// Identifier of a code value, none for `CODE_NONE`.
-    pub(crate) fn code_id(&self, value: &Value) -> Option<CodeId> {
+    pub(crate) fn code_id(&self, value: &MacroValue) -> Option<CodeId> {
         values::code_id(self.channel.env.machine, value)
     }
 
     /// Identifier of a data value, none for `REG_NONE`.
-    pub(crate) fn data_id(&self, value: &Value) -> Option<DataId> {
+    pub(crate) fn data_id(&self, value: &MacroValue) -> Option<DataId> {
         values::data_id(self.channel.env.machine, value)
     }
 }
 
-impl Registers for Kernel<'_> {
+impl RegisterHost for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
-        match self.code_id(&Value::Code(code)) {
+        match self.code_id(&MacroValue::Code(code)) {
             Some(id) => self.channel.env.machine.code_name(id).to_owned(),
             None => "CODE_NONE".to_owned(),
         }
     }
 
     fn register_name(&self, register: u32) -> String {
-        match self.data_id(&Value::Register(register)) {
+        match self.data_id(&MacroValue::Register(register)) {
             Some(id) => self.channel.env.machine.data_name(id).to_owned(),
             None => "REG_NONE".to_owned(),
         }
     }
 
-    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+    fn register_text(&mut self, register: FormatRegister, value: Option<f64>, word: bool) -> Option<String> {
         functions::register_word(&mut self.channel, register, value, word)
     }
 }
 
-impl Variables for Kernel<'_> {
-    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+impl VariableHost for Kernel<'_> {
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<MacroValue> {
         self.read_variable(index, indices)
     }
 
-    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+    fn write_system(&mut self, index: u32, indices: &[i64], value: MacroValue) -> Outcome<()> {
         self.write_variable(index, indices, value)
     }
 
-    fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value)) {
+    fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut MacroValue)) {
         let limit = self.channel.env.shares().common;
         let runtime = &mut *self.macros;
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
-            let mode = if growth.is_some() { Mode::Write } else { Mode::Read };
+            let mode = if growth.is_some() { AccessMode::Write } else { AccessMode::Read };
             let done = self.access(Door::Global(index), mode, |shared| {
                 shared.global(place, access);
                 growth.is_some_and(|growth| growth > 0 && shared.grown(growth, limit))
@@ -99,21 +99,21 @@ impl Variables for Kernel<'_> {
         }
     }
 
-    fn own_global(&mut self, index: u32) -> Option<&mut Value> {
+    fn own_global(&mut self, index: u32) -> Option<&mut MacroValue> {
         let runtime = &mut *self.macros;
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             return None;
         }
         let index = index as usize;
         if runtime.variables.globals.len() <= index {
-            runtime.variables.globals.resize(index + 1, Value::Unset);
+            runtime.variables.globals.resize(index + 1, MacroValue::Unset);
         }
         runtime.variables.globals.get_mut(index)
     }
 
-    fn held(&self, scale: &mut Scale) {
+    fn held(&self, scale: &mut MemoryTally) {
         let runtime = &*self.macros;
-        let mut part = |name: &str, values: &mut dyn Iterator<Item = &Value>| {
+        let mut part = |name: &str, values: &mut dyn Iterator<Item = &MacroValue>| {
             let from = scale.bytes;
             values.for_each(|value| scale.add(value));
             scale.held_by(from, || name.to_owned());
@@ -131,24 +131,25 @@ impl Variables for Kernel<'_> {
     }
 }
 
-impl Blocks for Kernel<'_> {
-    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+impl CommandHost for Kernel<'_> {
+    fn command(&mut self, state: &mut MacroState, command: HostCommand<'_>) -> Outcome<i32> {
         self.check_running(state)?;
         self.macro_command(state, command)
     }
 }
 
-impl Dialog for Kernel<'_> {
-    fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
+impl ConsoleHost for Kernel<'_> {
+    fn report(&mut self, state: &mut MacroState, diagnostic: MacroDiagnostic) {
         if self.macros.calls.ending || self.ports.control.cancelled() {
             return;
         }
         let number = diagnostic.number;
         // The verdict of the job says it.
-        if number == Number::MEMORY || state.is_over_memory() {
+        if number == DiagnosticNumber::MEMORY || state.is_over_memory() {
             return;
         }
-        let stops = number == Number::TICKS || self.channel.env.machine.diagnostics.stops(number.0) == Some(true);
+        let stops =
+            number == DiagnosticNumber::TICKS || self.channel.env.machine.diagnostics.stops(number.0) == Some(true);
         if !self.has_room(stops) {
             return;
         }
@@ -173,13 +174,13 @@ impl Dialog for Kernel<'_> {
         self.diagnostic_entry(number)
     }
 
-    fn trace(&mut self, step: Step<'_>) {
+    fn trace(&mut self, step: TraceStep<'_>) {
         self.trace_step(step);
     }
 }
 
-impl Host for Kernel<'_> {
-    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+impl MacroHost for Kernel<'_> {
+    fn function(&mut self, state: &mut MacroState, function: HostFn, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         self.check_running(state)?;
         self.macro_function(state, function, arguments)
     }
@@ -192,13 +193,13 @@ impl Host for Kernel<'_> {
 
 impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
-    fn check_running(&mut self, state: &mut State) -> Outcome<()> {
+    fn check_running(&mut self, state: &mut MacroState) -> Outcome<()> {
         if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
     /// Refuses a request that is not available in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
-        Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
+        Err(MacroFault::new(DiagnosticNumber::NOT_HERE, format!("{what} is not available in this macro")))
     }
 
     /// Whether the innermost running macro is one of those for which no block has been split into codes and data yet.

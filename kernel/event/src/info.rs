@@ -6,8 +6,8 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-pub use crate::Unit;
-use crate::event::Origin;
+pub use crate::MachineUnit;
+use crate::event::DiagnosticOrigin;
 use crate::{FileId, Letters, Text};
 
 /// How the names of files begin that are stored with the machine.
@@ -32,20 +32,20 @@ pub struct Info {
     /// The user's parameters of the job, empty without any.
     pub parameters: String,
     /// `mm` or `inch`: the unit of lengths in events.
-    pub unit: Unit,
+    pub unit: MachineUnit,
     /// Letters of the trace that the job asks for.
     pub trace: Letters,
     /// Memory that the results of a channel may take.
-    pub room: Room,
+    pub room: ResultBudget,
     /// Channels in ascending number, master not included.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<JobChannel>,
     /// All files the job may read: programs first, in order, then the others by name.
-    pub files: Vec<File>,
+    pub files: Vec<JobFile>,
 }
 
 /// Bytes of memory that the results and the events of one channel may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Room {
+pub struct ResultBudget {
     /// The toolpath.
     pub path: u64,
     /// The bars of the timeline.
@@ -56,7 +56,7 @@ pub struct Room {
 
 /// A channel as results need it.
 #[derive(Debug, Clone)]
-pub struct Channel {
+pub struct JobChannel {
     /// Channel number, from 1.
     pub number: u16,
     /// Name in the machine definition (`UPPER`).
@@ -68,7 +68,7 @@ pub struct Channel {
     /// File of that program.
     pub file: FileId,
     /// Axes in channel order.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<JobAxis>,
     /// Its tools work from below the turning axis.
     pub lower: bool,
     /// Its program uses inches until it selects a unit.
@@ -79,7 +79,7 @@ pub struct Channel {
 
 /// An axis as results need it.
 #[derive(Debug, Clone)]
-pub struct Axis {
+pub struct JobAxis {
     /// Name, mostly one letter.
     pub name: String,
     /// `true`: degrees; `false`: machine length unit.
@@ -90,7 +90,7 @@ pub struct Axis {
 
 /// A file of the job; its text is loaded when first needed.
 #[derive(Debug)]
-pub struct File {
+pub struct JobFile {
     /// Path as the job names it.
     pub name: String,
     /// It is stored with the machine: its blocks are shown only to clients that ask for them.
@@ -100,12 +100,12 @@ pub struct File {
     /// Text and line index once loaded.
     pub text: OnceLock<Option<Arc<Text>>>,
     /// Stretches that belong to channels or are programs by name, in order; empty when the file is one text.
-    pub sections: Vec<Section>,
+    pub sections: Vec<FileSection>,
 }
 
 /// A stretch of a file with a name of its own.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Section {
+pub struct FileSection {
     /// Channel that it belongs to; 0: to all.
     pub channel: u16,
     /// Its name in the file (`$1`, `G13`, `PART_1`).
@@ -178,16 +178,21 @@ impl Info {
 
     /// A block of a resident program as the origin of a diagnostic: the program by its name in calls.
     #[must_use]
-    pub fn origin(&self, file: FileId, line: u32) -> Origin {
+    pub fn origin(&self, file: FileId, line: u32) -> DiagnosticOrigin {
         let path = self.file_name(file);
         let name = path.rsplit('/').next().unwrap_or(path).split('.').next().unwrap_or_default();
         let statement = self.block_text(file, line, BLOCK_TEXT);
-        Origin { name: name.to_ascii_uppercase().into(), file: path.into(), line, statement: (*statement).into() }
+        DiagnosticOrigin {
+            name: name.to_ascii_uppercase().into(),
+            file: path.into(),
+            line,
+            statement: (*statement).into(),
+        }
     }
 
     /// Channel by number.
     #[must_use]
-    pub fn channel(&self, number: u16) -> Option<&Channel> {
+    pub fn channel(&self, number: u16) -> Option<&JobChannel> {
         self.channels.iter().find(|c| c.number == number)
     }
 

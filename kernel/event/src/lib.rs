@@ -11,10 +11,10 @@ pub mod text;
 mod units;
 
 pub use letters::Letters;
-pub use outcome::Outcome;
+pub use outcome::RunEnd;
 pub use place::SourcePlace;
 pub use text::Text;
-pub use units::{MAX_AXES, Position, Unit};
+pub use units::{MAX_AXES, MachineUnit, Position};
 
 /// Index of a file of the job.
 pub type FileId = u16;

@@ -2,7 +2,7 @@
 
 /// How the run ended, beyond the content of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Outcome {
+pub struct RunEnd {
     /// Events in the log.
     pub events: u64,
     /// It was cancelled.

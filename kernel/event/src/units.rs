@@ -9,14 +9,14 @@ pub type Position = [f64; MAX_AXES];
 
 /// Unit of length of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum MachineUnit {
     /// Millimetres.
     Mm,
     /// Inches.
     Inch,
 }
 
-impl Unit {
+impl MachineUnit {
     /// `mm` or `inch`.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// The code that stops or ends a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stop {
+pub enum StopCode {
     /// M0.
     Program,
     /// M1 with the switch on.
@@ -20,7 +20,7 @@ pub enum Stop {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Halt {
     /// An end code or the end of the text.
-    ProgramEnd(Option<Stop>),
+    ProgramEnd(Option<StopCode>),
     /// An alarm of the control.
     Alarm,
     /// An alarm after which the machine continues: the rest of the block is dropped. It never leaves the block loop.

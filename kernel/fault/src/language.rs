@@ -7,13 +7,13 @@ use std::fmt;
 
 /// A diagnostic number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Number(pub u32);
+pub struct DiagnosticNumber(pub u32);
 
 /// Facts of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Row {
+pub struct LanguageDiagnostic {
     /// The number.
-    pub number: Number,
+    pub number: DiagnosticNumber,
     /// Stable word that people use for the number.
     pub name: &'static str,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
@@ -24,12 +24,12 @@ pub struct Row {
 
 macro_rules! numbers {
     ($($constant:ident = $number:literal, $name:literal, $severity:literal, $about:literal;)*) => {
-        impl Number {
-            $(#[doc = $about] pub const $constant: Number = Number($number);)*
+        impl DiagnosticNumber {
+            $(#[doc = $about] pub const $constant: DiagnosticNumber = DiagnosticNumber($number);)*
         }
         /// Every number with its facts.
-        pub const TABLE: &[Row] =
-            &[$(Row { number: Number($number), name: $name, severity: $severity, about: $about }),*];
+        pub const TABLE: &[LanguageDiagnostic] =
+            &[$(LanguageDiagnostic { number: DiagnosticNumber($number), name: $name, severity: $severity, about: $about }),*];
     };
 }
 
@@ -96,7 +96,7 @@ numbers! {
     AUTHOR = 2910090, "macro-message", 0, "diagnostic issued by a macro itself";
 }
 
-impl Number {
+impl DiagnosticNumber {
     /// The word of the number, `None` for numbers of other tables.
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
@@ -110,7 +110,7 @@ impl Number {
     }
 }
 
-impl fmt::Display for Number {
+impl fmt::Display for DiagnosticNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:08}", self.0)
     }

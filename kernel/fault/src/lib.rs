@@ -8,12 +8,12 @@ pub mod language;
 
 mod halt;
 
-pub use halt::{Acted, Halt, Stop};
+pub use halt::{Acted, Halt, StopCode};
 use language::TABLE;
 
 /// Facts of one diagnostic number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Facts {
+pub struct DiagnosticFacts {
     /// Stable number.
     pub number: u32,
     /// Stable word that people use for the number.
@@ -29,9 +29,9 @@ pub struct Facts {
 
 macro_rules! diagnostics {
     ($($constant:ident $number:literal $name:literal $severity:literal $alarm:literal $title:literal;)*) => {
-        $(#[doc = $title] pub const $constant: Facts = Facts { number: $number, name: $name, severity: $severity, alarm: $alarm, title: $title };)*
+        $(#[doc = $title] pub const $constant: DiagnosticFacts = DiagnosticFacts { number: $number, name: $name, severity: $severity, alarm: $alarm, title: $title };)*
         /// Every diagnostic.
-        pub const ALL: &[Facts] = &[$($constant),*];
+        pub const ALL: &[DiagnosticFacts] = &[$($constant),*];
     };
 }
 

@@ -9,10 +9,10 @@ mod jobs;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use jobs::{Count, job, job_with, lathe, machine, mill, results};
 
@@ -30,7 +30,7 @@ fn with_rules(hit: bool) -> Arc<Machine> {
         let replace = if hit && rule % 4 == 3 && rule < 12 { format!("G0{}", rule % 3) } else { String::new() };
         let _ = writeln!(text, "[[tape_editor]]\nfind = \"{find}\"\nreplace = \"{replace}\"");
     }
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("rules/machine.toml", text);
     let loaded = load(&package::Overlay::over_shipped(files), "rules");
     assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
@@ -39,7 +39,7 @@ fn with_rules(hit: bool) -> Arc<Machine> {
 
 /// The mill with a block startup macro, a motion event macro and two code macros.
 fn with_macros() -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     user.insert(
         "m/machine.toml",
         r#"extends = "fanuc-mill"
@@ -73,22 +73,22 @@ fn block_loop(c: &mut Criterion) {
     group.throughput(Throughput::Elements(blocks as u64));
     group.sample_size(20);
     let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
-    group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &JobControl::new(1), &mut Count(0))));
     group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
-    let (planned, files) = job_with(&machine("fanuc-mill"), &[mill(blocks)], Options::default());
+    let (planned, files) = job_with(&machine("fanuc-mill"), &[mill(blocks)], JobOptions::default());
     group.bench_function("milling_results_look_ahead", |b| b.iter(|| results(&planned, &files, 1)));
     let (macro_job, files) = job(&with_macros(), &[mill(blocks)]);
-    group.bench_function("macros", |b| b.iter(|| macro_job.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("macros", |b| b.iter(|| macro_job.run(&files, &JobControl::new(1), &mut Count(0))));
     let (edited, files) = job(&with_rules(false), &[mill(blocks)]);
-    group.bench_function("tape_64_rules", |b| b.iter(|| edited.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("tape_64_rules", |b| b.iter(|| edited.run(&files, &JobControl::new(1), &mut Count(0))));
     let (edited, files) = job(&with_rules(true), &[mill(blocks)]);
-    group.bench_function("tape_64_rules_hit", |b| b.iter(|| edited.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("tape_64_rules_hit", |b| b.iter(|| edited.run(&files, &JobControl::new(1), &mut Count(0))));
     let text = format!(
         "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
         blocks / 5
     );
     let (statements, files) = job(&machine("fanuc-mill"), &[text]);
-    group.bench_function("statements", |b| b.iter(|| statements.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("statements", |b| b.iter(|| statements.run(&files, &JobControl::new(1), &mut Count(0))));
     group.finish();
 }
 
@@ -101,7 +101,7 @@ fn channels(c: &mut Criterion) {
     group.throughput(Throughput::Elements(blocks as u64));
     group.sample_size(20);
     let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
-    group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &JobControl::new(2), &mut Count(0))));
     group.bench_function("one_channel_results", |b| b.iter(|| results(&one, &files, 2)));
     let (other, other_files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 2, false)]);
     group.bench_function("two_jobs_at_once_results", |b| {
@@ -114,7 +114,7 @@ fn channels(c: &mut Criterion) {
     });
     group.throughput(Throughput::Elements((blocks + blocks / 20) as u64));
     let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
-    group.bench_function("two_channels_5000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("two_channels_5000_waits", |b| b.iter(|| two.run(&files, &JobControl::new(2), &mut Count(0))));
     group.bench_function("two_channels_5000_waits_results", |b| b.iter(|| results(&two, &files, 2)));
     group.finish();
 }

@@ -13,10 +13,10 @@ use std::process::{Child, Command};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::job::Job;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{Options, TimeModel};
+use counterpoint_kernel::options::{JobOptions, TimeModel};
 use jobs::{job_with, lathe, machine, results};
 
 /// Runs of each kind.
@@ -38,19 +38,19 @@ fn many(channels: usize) -> Arc<Machine> {
         let _ = writeln!(text, "[[axes]]\nname = \"X{number}\"\nrapid = 10_000\nhome = 0");
         let _ = writeln!(text, "[[channels]]\nnumber = {number}\naxes = [\"X{number}\"]");
     }
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("many/machine.toml", &text);
     let loaded = load(&package::Overlay::over_shipped(files), "many");
     Arc::new(loaded.machine.expect("a machine of many channels"))
 }
 
 /// Times without accelerations, this many threads.
-fn threads(threads: u16) -> Options {
-    Options { threads, time: TimeModel::Simple, ..Options::default() }
+fn threads(threads: u16) -> JobOptions {
+    JobOptions { threads, time: TimeModel::Simple, ..JobOptions::default() }
 }
 
 /// The fastest run of each job, taken in turns.
-fn fastest<const N: usize>(jobs: [&(Job, Memory); N], channels: usize) -> [f64; N] {
+fn fastest<const N: usize>(jobs: [&(Job, MemoryFiles); N], channels: usize) -> [f64; N] {
     let mut best = [Duration::MAX; N];
     for _ in 0..RUNS {
         for (best, (job, files)) in best.iter_mut().zip(jobs) {
@@ -79,7 +79,7 @@ fn meetings(channels: &[usize]) {
         let texts: Vec<_> = (0..channels).map(|own| meeting(own, channels, MEETINGS)).collect();
         let all: Vec<u16> = (1..=channels).filter_map(|number| u16::try_from(number).ok()).collect();
         let met = job_with(&machine, &texts, threads(1));
-        let passed = job_with(&machine, &texts, Options { ignore_waits: all, ..threads(1) });
+        let passed = job_with(&machine, &texts, JobOptions { ignore_waits: all, ..threads(1) });
         let [met, passed] = fastest([&met, &passed], channels);
         let each = (met - passed) * 1e9 / MEETINGS as f64;
         println!(

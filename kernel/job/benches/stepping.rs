@@ -9,10 +9,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::job::Job;
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, StepCalls, Whom};
+use counterpoint_kernel::operator::{
+    BreakLocation, Breakpoint, Console, Heard, StepCalls, StepCommand, StepReply, Whom,
+};
 use jobs::{job, machine, results};
 
 /// Blocks of a program.
@@ -23,8 +25,8 @@ const RUNS: u32 = 7;
 
 /// Answers each stop with the same command.
 struct Always {
-    first: std::sync::Mutex<Option<Command>>,
-    command: Command,
+    first: std::sync::Mutex<Option<StepCommand>>,
+    command: StepCommand,
     stops: AtomicU64,
 }
 
@@ -42,8 +44,8 @@ impl Console for Always {
         Heard::Command(first.unwrap_or_else(|| self.command.clone()))
     }
 
-    fn say(&self, said: Said) {
-        self.stops.fetch_add(u64::from(matches!(said, Said::Stopped(_))), Relaxed);
+    fn say(&self, said: StepReply) {
+        self.stops.fetch_add(u64::from(matches!(said, StepReply::Stopped(_))), Relaxed);
     }
 }
 
@@ -57,28 +59,34 @@ fn fastest(run: impl Fn()) -> Duration {
 }
 
 /// Runs a job at whose stops one command is given; the stops.
-fn stepped(job: &Job, files: &Memory, channels: usize, (first, command): (Option<Command>, Command)) -> u64 {
+fn stepped(
+    job: &Job,
+    files: &MemoryFiles,
+    channels: usize,
+    (first, command): (Option<StepCommand>, StepCommand),
+) -> u64 {
     let console = Arc::new(Always { first: std::sync::Mutex::new(first), command, stops: AtomicU64::new(0) });
-    let control = Control::new(channels).with_console(console.clone());
+    let control = JobControl::new(channels).with_console(console.clone());
     let mut sink = jobs::Count(0);
     job.run(files, &control, &mut sink);
     console.stops.load(Relaxed)
 }
 
-fn measure(name: &str, (job, files): &(Job, Memory), programs: usize) {
+fn measure(name: &str, (job, files): &(Job, MemoryFiles), programs: usize) {
     let (blocks, channels) = ((BLOCKS * programs) as f64, 2);
     let free = fastest(|| {
         results(job, files, channels);
     });
     let logged = fastest(|| {
-        job.run(files, &Control::new(channels), &mut jobs::Count(0));
+        job.run(files, &JobControl::new(channels), &mut jobs::Count(0));
     });
     println!("{name:<14} results {:>6.1} ns a block; events counted {:>6.1} ns", ns(free, blocks), ns(logged, blocks));
-    let line = Breakpoint { id: 0, spot: Spot::Line { file: "none.nc".into(), line: 5 }, count: 0, once: false };
-    let next = |blocks| Command::Step { whom: Whom::Next, blocks, calls: StepCalls::Into };
+    let line =
+        Breakpoint { id: 0, spot: BreakLocation::Line { file: "none.nc".into(), line: 5 }, count: 0, once: false };
+    let next = |blocks| StepCommand::Step { whom: Whom::Next, blocks, calls: StepCalls::Into };
     for (what, first, command) in [
-        ("continue", None, Command::Continue),
-        ("continue, a breakpoint elsewhere", Some(Command::Add(line)), Command::Continue),
+        ("continue", None, StepCommand::Continue),
+        ("continue, a breakpoint elsewhere", Some(StepCommand::Add(line)), StepCommand::Continue),
         ("step 10000", None, next(10_000)),
         ("step 10", None, next(10)),
         ("step 1", None, next(1)),

@@ -9,7 +9,7 @@ mod jobs;
 
 use std::time::Instant;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::job::Job;
 use jobs::{job, lathe, machine, results};
 
@@ -38,7 +38,7 @@ fn main() {
     let machine = machine("fanuc-2path-lathe");
     let (alone, other) = (job(&machine, &[lathe(BLOCKS, 1, false)]), job(&machine, &[lathe(BLOCKS, 2, false)]));
     let two = job(&machine, &[lathe(BLOCKS, 1, true), lathe(BLOCKS, 2, true)]);
-    let run = |(job, files): &(Job, Memory)| drop(results(job, files, 2));
+    let run = |(job, files): &(Job, MemoryFiles)| drop(results(job, files, 2));
     let apart = || {
         ms(|| {
             std::thread::scope(|scope| {

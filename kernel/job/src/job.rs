@@ -1,24 +1,24 @@
 //! The only public entry: prepare a job, run it, receive ordered events.
 
 pub use counterpoint_emulator::macros::STACK;
-pub use counterpoint_event::Outcome;
-use counterpoint_ports::control::Control;
-use counterpoint_ports::files::Files;
-pub use counterpoint_program::spec::{Program, Spec};
-pub use counterpoint_sync::sink::{Sink, WrittenFiles};
+pub use counterpoint_event::RunEnd;
+use counterpoint_ports::control::JobControl;
+use counterpoint_ports::files::JobFiles;
+pub use counterpoint_program::spec::{ProgramSelection, Spec};
+pub use counterpoint_sync::sink::{LogSink, WrittenFiles};
 
 pub use crate::prepared::{Job, PrepareError};
 
 impl Job {
     /// Same as [`run`](Self::run), with this thread as the master, whose stack has [`STACK`] bytes. A thread for each
     /// job would be a large part of the cost of a small job.
-    pub fn run_here(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    pub fn run_here(&self, files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd {
         crate::multi::run(self, files, control, sink)
     }
 
     /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen
     /// the whole log.
-    pub fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    pub fn run(&self, files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd {
         if self.macros().is_none() {
             return crate::multi::run(self, files, control, sink);
         }

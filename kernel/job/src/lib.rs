@@ -1,7 +1,7 @@
 //! Counterpoint's control emulator: runs NC programs block by block, one kernel per channel; kernels wait for each
 //! other at the sync codes of the programs.
 //!
-//! Knows no gRPC, no wall clock, no environment and no real file system (see [`files::Files`]). Public entry:
+//! Knows no gRPC, no wall clock, no environment and no real file system (see [`files::JobFiles`]). Public entry:
 //! [`job::Job::prepare`] and [`job::Job::run`]; everything a user sees is read off the events it emits
 //! ([`log`]).
 

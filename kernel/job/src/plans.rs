@@ -8,7 +8,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use counterpoint_emulator::channel::plan::Plan;
+use counterpoint_emulator::channel::plan::ExecutionPlan;
 use counterpoint_machine::Machine;
 
 /// Most plans that are kept.
@@ -18,14 +18,14 @@ const MOST: usize = 16;
 #[derive(Default)]
 pub struct Plans {
     /// The last one was used last.
-    kept: Mutex<Vec<Kept>>,
+    kept: Mutex<Vec<CachedPlan>>,
 }
 
-struct Kept {
+struct CachedPlan {
     machine: Weak<Machine>,
     opskip: Vec<u8>,
     hooks: bool,
-    plan: Arc<Plan>,
+    plan: Arc<ExecutionPlan>,
 }
 
 impl std::fmt::Debug for Plans {
@@ -34,8 +34,8 @@ impl std::fmt::Debug for Plans {
     }
 }
 
-impl Kept {
-    fn is_for(&self, wanted: &Wanted<'_>) -> bool {
+impl CachedPlan {
+    fn is_for(&self, wanted: &PlanRequest<'_>) -> bool {
         // A weak reference keeps its place from being used again, so the same place is the same machine.
         std::ptr::eq(self.machine.as_ptr(), Arc::as_ptr(wanted.machine))
             && self.opskip == wanted.opskip
@@ -45,7 +45,7 @@ impl Kept {
 
 /// The parts of a plan.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wanted<'a> {
+pub(crate) struct PlanRequest<'a> {
     pub(crate) machine: &'a Arc<Machine>,
     /// Levels of block skip that are on.
     pub(crate) opskip: &'a [u8],
@@ -53,17 +53,17 @@ pub(crate) struct Wanted<'a> {
     pub(crate) hooks: bool,
 }
 
-impl Wanted<'_> {
+impl PlanRequest<'_> {
     /// Makes the plan.
-    pub(crate) fn plan(&self) -> Plan {
+    pub(crate) fn plan(&self) -> ExecutionPlan {
         let hooks = self.hooks.then_some(&counterpoint_emulator::hooks::POINTS);
-        Plan::new(self.machine, self.opskip, &counterpoint_emulator::action::ACTIONS, hooks)
+        ExecutionPlan::new(self.machine, self.opskip, &counterpoint_emulator::action::ACTIONS, hooks)
     }
 }
 
 impl Plans {
     /// The plan that is wanted, made now or earlier.
-    pub(crate) fn of(&self, wanted: &Wanted<'_>) -> Arc<Plan> {
+    pub(crate) fn of(&self, wanted: &PlanRequest<'_>) -> Arc<ExecutionPlan> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = kept.iter().rposition(|kept| kept.is_for(wanted)) {
             let found = kept.remove(at);
@@ -78,7 +78,7 @@ impl Plans {
         if kept.len() >= MOST {
             kept.remove(0);
         }
-        kept.push(Kept {
+        kept.push(CachedPlan {
             machine: Arc::downgrade(wanted.machine),
             opskip: wanted.opskip.to_vec(),
             hooks: wanted.hooks,
@@ -97,8 +97,8 @@ mod tests {
         Arc::new(load(&package::shipped(), "fanuc-mill").machine.expect("a shipped machine"))
     }
 
-    fn wanted<'a>(machine: &'a Arc<Machine>, opskip: &'a [u8]) -> Wanted<'a> {
-        Wanted { machine, opskip, hooks: false }
+    fn wanted<'a>(machine: &'a Arc<Machine>, opskip: &'a [u8]) -> PlanRequest<'a> {
+        PlanRequest { machine, opskip, hooks: false }
     }
 
     #[test]

@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use counterpoint_lang::compile;
 
-use counterpoint_emulator::channel::components::Component;
-use counterpoint_emulator::channel::plan::Plan;
+use counterpoint_emulator::channel::components::PreparedComponent;
+use counterpoint_emulator::channel::plan::ExecutionPlan;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
-use counterpoint_ports::control::Stop;
-use counterpoint_ports::files::Files;
+use counterpoint_ports::control::StopSignal;
+use counterpoint_ports::files::JobFiles;
 use counterpoint_program::sources::Sources;
 use counterpoint_program::spec::Spec;
 
-use crate::plans::{Plans, Wanted};
+use crate::plans::{PlanRequest, Plans};
 
 /// A prepared job: programs are loaded and assigned to channels.
 #[derive(Debug)]
@@ -23,9 +23,9 @@ pub struct Job {
     info: Arc<Info>,
     sources: Sources,
     /// The machine's macros as its kernels run them.
-    macros: Option<Arc<compile::Program>>,
+    macros: Option<Arc<compile::MacroProgram>>,
     /// The same of each component of a composite machine.
-    components: Vec<Option<Arc<compile::Program>>>,
+    components: Vec<Option<Arc<compile::MacroProgram>>>,
     /// Where plans of machines are kept.
     plans: Option<Arc<Plans>>,
 }
@@ -44,7 +44,7 @@ pub struct PrepareError {
 const PIECE: usize = 1 << 20;
 
 /// Whether a program of the job has embedded macro code, which needs no macro of the machine.
-fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
+fn has_embedded(info: &Info, files: &dyn JobFiles, stop: &StopSignal) -> bool {
     let has = |text: &[u8]| {
         // Piece by piece, with the byte after each: a mark has two.
         let pieces = (0..text.len()).step_by(PIECE).take_while(|_| !stop.asked_once_resumed());
@@ -80,15 +80,15 @@ impl Job {
     ///
     /// # Errors
     /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
-    pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
-        Self::prepare_until(spec, files, &Stop::default())
+    pub fn prepare(spec: Spec, files: &dyn JobFiles) -> Result<Self, PrepareError> {
+        Self::prepare_until(spec, files, &StopSignal::default())
     }
 
     /// The same, unless `stop` is requested: programs may be long. The job is run by a control with that `stop`.
     ///
     /// # Errors
     /// Those of [`prepare`](Self::prepare), and that it was asked to end.
-    pub fn prepare_until(mut spec: Spec, files: &dyn Files, stop: &Stop) -> Result<Self, PrepareError> {
+    pub fn prepare_until(mut spec: Spec, files: &dyn JobFiles, stop: &StopSignal) -> Result<Self, PrepareError> {
         let cancelled = || PrepareError {
             findings: vec![Finding::error("job", 0, 0, "the job was cancelled before it began")],
             cancelled: true,
@@ -105,7 +105,7 @@ impl Job {
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
         let executes = !spec.options.lint;
-        let embedded = (executes && has_embedded(&info, files, stop)).then(|| Arc::new(compile::Program::new()));
+        let embedded = (executes && has_embedded(&info, files, stop)).then(|| Arc::new(compile::MacroProgram::new()));
         let compiled = |machine: &Machine| {
             let own = machine.macros.as_deref().filter(|_| executes);
             let own = own.map(|macros| macros.program_for(machine.macro_environment(), info.trace));
@@ -126,9 +126,9 @@ impl Job {
     }
 
     /// Plans that its kernels have derived from the machine, and from each component of a composite.
-    pub(crate) fn plans(&self) -> (Arc<Plan>, Vec<Arc<Plan>>) {
+    pub(crate) fn plans(&self) -> (Arc<ExecutionPlan>, Vec<Arc<ExecutionPlan>>) {
         let of = |machine: &Arc<Machine>, macros: bool| {
-            let wanted = Wanted { machine, opskip: &self.spec.options.opskip, hooks: macros };
+            let wanted = PlanRequest { machine, opskip: &self.spec.options.opskip, hooks: macros };
             match &self.plans {
                 Some(plans) => plans.of(&wanted),
                 None => Arc::new(wanted.plan()),
@@ -157,14 +157,14 @@ impl Job {
     }
 
     /// The machine's macros as its kernels run them.
-    pub(crate) fn macros(&self) -> Option<&Arc<compile::Program>> {
+    pub(crate) fn macros(&self) -> Option<&Arc<compile::MacroProgram>> {
         self.macros.as_ref()
     }
 
     /// The components of a composite machine as its kernels work with them.
-    pub(crate) fn components<'a>(&'a self, plans: &'a [Arc<Plan>]) -> Vec<Component<'a>> {
+    pub(crate) fn components<'a>(&'a self, plans: &'a [Arc<ExecutionPlan>]) -> Vec<PreparedComponent<'a>> {
         let all = self.spec.machine.components.iter().zip(plans).zip(&self.components);
-        let fitted = all.map(|((component, plan), macros)| Component {
+        let fitted = all.map(|((component, plan), macros)| PreparedComponent {
             designator: &component.designator,
             name: &component.name,
             channels: &component.channels,

@@ -2,16 +2,16 @@
 //!
 //! *Invariant:* the last text is the line of a run with the rules that are on at the start of a program.
 
-use counterpoint_lang::pattern::Memory;
+use counterpoint_lang::pattern::SearchMemory;
 use counterpoint_machine::Machine;
-use counterpoint_ports::control::Stop;
-use counterpoint_ports::options::Limits;
-use counterpoint_program::tape::{Rules, Tape, Within};
-use counterpoint_program::visible::Marks;
+use counterpoint_ports::control::StopSignal;
+use counterpoint_ports::options::JobLimits;
+use counterpoint_program::tape::{Tape, TapeRuleSet, Within};
+use counterpoint_program::visible::RemarkDelimiters;
 
 /// A rule that has changed the line.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Step {
+pub struct AppliedTapeRule {
     /// Its place in `Machine::tape_editor`.
     pub rule: usize,
     /// The line after it.
@@ -21,18 +21,18 @@ pub struct Step {
 /// The rules that change a line, in the order in which they act: those that are on at the start of a program, or all of
 /// them.
 #[must_use]
-pub fn steps(machine: &Machine, line: &[u8], all: bool) -> Vec<Step> {
-    let marks = Marks::new(&machine.format, counterpoint_dialect::of(machine).syntax());
+pub fn steps(machine: &Machine, line: &[u8], all: bool) -> Vec<AppliedTapeRule> {
+    let marks = RemarkDelimiters::new(&machine.format, counterpoint_dialect::of(machine).syntax());
     let Some(tape) = Tape::new(&machine.tape_editor, marks) else { return Vec::new() };
-    let (stop, longest) = (Stop::default(), Limits::default().block_length);
-    let (mut memory, mut text, mut steps) = (Memory::default(), line.to_vec(), Vec::new());
+    let (stop, longest) = (StopSignal::default(), JobLimits::default().block_length);
+    let (mut memory, mut text, mut steps) = (SearchMemory::default(), line.to_vec(), Vec::new());
     for rule in (0..machine.tape_editor.len()).filter(|rule| all || tape.start.has(*rule)) {
-        let mut on = Rules::default();
+        let mut on = TapeRuleSet::default();
         on.set(rule, true);
         let edited = tape.edit(&text, &Within { on: &on, longest, stop: &stop }, &mut memory);
         if let Some(changed) = edited.text {
             text.clone_from(&changed);
-            steps.push(Step { rule, text: changed });
+            steps.push(AppliedTapeRule { rule, text: changed });
         }
     }
     steps
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use counterpoint_machine::load;
     use counterpoint_machine::package::Overlay;
-    use counterpoint_ports::files::Memory as Files;
+    use counterpoint_ports::files::MemoryFiles as Files;
 
     #[test]
     fn each_rule_acts_on_the_text_of_the_one_before() {

@@ -4,16 +4,16 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::{Control, Limit};
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::control::{JobControl, Limit};
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, RunEnd, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, VerdictKind};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
-use counterpoint_kernel::log::summary::{Channel, ChannelState, State, Summary};
+use counterpoint_kernel::log::summary::{ChannelState, ChannelSummary, JobOutcome, Summary};
 use counterpoint_kernel::machine::{load, package};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 
 const S: i64 = 1_000_000_000;
 
@@ -21,7 +21,7 @@ const S: i64 = 1_000_000_000;
 #[derive(Default)]
 struct Log(Vec<Event>);
 
-impl Sink for Log {
+impl LogSink for Log {
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
         self.0.extend_from_slice(batch);
         true
@@ -29,36 +29,36 @@ impl Sink for Log {
 }
 
 /// Runs programs, one per channel, on a shipped machine.
-fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
+fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, RunEnd) {
     let loaded = load(&package::shipped(), machine);
     let machine = loaded.machine.expect("shipped machine");
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let mut list = Vec::new();
     for (index, text) in programs.iter().enumerate() {
         let name = format!("jobs/p{}.nc", index + 1);
         files.insert(name.clone(), text.as_bytes());
-        list.push(Program { file: name, number: None, section: None, channel: None });
+        list.push(ProgramSelection { file: name, number: None, section: None, channel: None });
     }
-    let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: Options::default() }, &files)
+    let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: JobOptions::default() }, &files)
         .expect("a job that can run");
     let mut log = Log::default();
-    let outcome = job.run(&files, &Control::new(job.info().channels.len()), &mut log);
+    let outcome = job.run(&files, &JobControl::new(job.info().channels.len()), &mut log);
     (job.info().clone(), log.0, outcome)
 }
 
-fn summary(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Summary {
+fn summary(info: &Arc<Info>, events: &[Event], outcome: &RunEnd) -> Summary {
     let mut builder = ResultsBuilder::new(info);
     events.iter().for_each(|event| builder.event(event));
     builder.finish(outcome).summary
 }
 
-fn listing(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> String {
+fn listing(info: &Arc<Info>, events: &[Event], outcome: &RunEnd) -> String {
     let (mut out, summary) = (Vec::new(), summary(info, events, outcome));
     listing::render(info, 2, &summary, &mut (1..).zip(events.iter().cloned()), &mut out).unwrap();
     String::from_utf8(out).unwrap()
 }
 
-fn times(channel: &Channel) -> [i64; 5] {
+fn times(channel: &ChannelSummary) -> [i64; 5] {
     [channel.end_ns, channel.feed_ns, channel.rapid_ns, channel.misc_ns, channel.wait_ns].map(|ns| ns / 1_000_000)
 }
 
@@ -67,7 +67,7 @@ fn two_turrets_meet() {
     let (info, events, outcome) =
         run("fanuc-2path-lathe", &["G4P2000\nM101\nG4P1000\nM30\n", "G4P500\nM101\nG4P3000\nM30\n"]);
     let summary = summary(&info, &events, &outcome);
-    assert_eq!((summary.state, summary.makespan_ns, &summary.verdict), (State::Succeeded, 5 * S, &None));
+    assert_eq!((summary.state, summary.makespan_ns, &summary.verdict), (JobOutcome::Succeeded, 5 * S, &None));
     assert_eq!(
         summary.channels.iter().map(times).collect::<Vec<_>>(),
         [[3000, 0, 0, 3000, 0], [5000, 0, 0, 3500, 1500]]
@@ -83,7 +83,7 @@ fn two_turrets_meet() {
 fn a_blocked_channel_ends_at_its_wait() {
     let (info, events, outcome) = run("fanuc-2path-lathe", &["G4P1000\nM101\nG4P1000\nM30\n", "G4P5000\nM30\n"]);
     let summary = summary(&info, &events, &outcome);
-    assert_eq!(summary.state, State::Failed);
+    assert_eq!(summary.state, JobOutcome::Failed);
     let states: Vec<_> = summary.channels.iter().map(|c| (c.state, c.end_ns, c.wait_ns)).collect();
     assert_eq!(states, [(ChannelState::Blocked, S, 0), (ChannelState::Ended, 5 * S, 0)]);
     assert_eq!(summary.waits.len(), 1);
@@ -104,20 +104,20 @@ fn a_real_job_lists_every_block() {
 }
 
 /// A job of two channels that loop, with a limit.
-fn looping(limits: Limits) -> (Job, Memory) {
+fn looping(limits: JobLimits) -> (Job, MemoryFiles) {
     two_channels("G0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30", limits)
 }
 
 /// A job of two channels with the same program, with a limit.
-fn two_channels(text: &str, limits: Limits) -> (Job, Memory) {
+fn two_channels(text: &str, limits: JobLimits) -> (Job, MemoryFiles) {
     let machine = load(&package::shipped(), "fanuc-2path-lathe").machine.expect("shipped machine");
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let mut programs = Vec::new();
     for (file, number) in [("a.nc", 1), ("b.nc", 2)] {
         files.insert(file.to_owned(), format!("O{number}\n{text}\n").as_bytes());
-        programs.push(Program { file: file.to_owned(), number: None, section: None, channel: None });
+        programs.push(ProgramSelection { file: file.to_owned(), number: None, section: None, channel: None });
     }
-    let options = Options { limits, ..Options::default() };
+    let options = JobOptions { limits, ..JobOptions::default() };
     (Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run"), files)
 }
 
@@ -125,16 +125,16 @@ fn two_channels(text: &str, limits: Limits) -> (Job, Memory) {
 fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
     let run = |limits| {
         let (job, files) = looping(limits);
-        let control = Control::new(2);
+        let control = JobControl::new(2);
         job.run(&files, &control, &mut Log::default());
         control.reached()
     };
-    let limits = Limits::default();
-    assert_eq!(run(Limits { blocks: 100, ..limits.clone() }), Some(Limit::Blocks));
-    assert_eq!(run(Limits { simulated_ns: 100 * S, ..limits.clone() }), Some(Limit::SimulatedTime));
-    assert_eq!(run(Limits { events: 100, ..limits }), Some(Limit::Events));
-    let control = Control::new(2);
-    let (job, files) = looping(Limits::default());
+    let limits = JobLimits::default();
+    assert_eq!(run(JobLimits { blocks: 100, ..limits.clone() }), Some(Limit::Blocks));
+    assert_eq!(run(JobLimits { simulated_ns: 100 * S, ..limits.clone() }), Some(Limit::SimulatedTime));
+    assert_eq!(run(JobLimits { events: 100, ..limits }), Some(Limit::Events));
+    let control = JobControl::new(2);
+    let (job, files) = looping(JobLimits::default());
     control.cancel();
     job.run(&files, &control, &mut Log::default());
     assert_eq!(control.reached(), None, "a cancelled job has not reached a limit");
@@ -143,8 +143,8 @@ fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
 #[test]
 fn the_last_block_is_not_exempt_from_the_limit_of_time() {
     let run = |text: &str, seconds| {
-        let (job, files) = two_channels(text, Limits { simulated_ns: seconds * S, ..Limits::default() });
-        let control = Control::new(2);
+        let (job, files) = two_channels(text, JobLimits { simulated_ns: seconds * S, ..JobLimits::default() });
+        let control = JobControl::new(2);
         job.run(&files, &control, &mut Log::default());
         control.reached()
     };
@@ -158,12 +158,13 @@ fn the_last_block_is_not_exempt_from_the_limit_of_time() {
 /// The limit that a program reaches on a mill with accelerations, and the time of its last event, s.
 fn on_a_mill(text: &str, seconds: i64) -> (Option<Limit>, f64) {
     let machine = load(&package::shipped(), "fanuc-mill").machine.expect("shipped machine");
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("a.nc".to_owned(), text.as_bytes());
-    let programs = vec![Program { file: "a.nc".to_owned(), number: None, section: None, channel: None }];
-    let options = Options { limits: Limits { simulated_ns: seconds * S, ..Limits::default() }, ..Options::default() };
+    let programs = vec![ProgramSelection { file: "a.nc".to_owned(), number: None, section: None, channel: None }];
+    let options =
+        JobOptions { limits: JobLimits { simulated_ns: seconds * S, ..JobLimits::default() }, ..JobOptions::default() };
     let job = Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run");
-    let (control, mut log) = (Control::new(1), Log::default());
+    let (control, mut log) = (JobControl::new(1), Log::default());
     job.run(&files, &control, &mut log);
     let end = log.0.iter().map(|event| event.t_ns + event.dur_ns).max().unwrap_or(0);
     (control.reached(), end as f64 / 1e9)
@@ -196,12 +197,12 @@ fn ticking() -> std::time::Duration {
 
 #[test]
 fn the_processor_time_of_every_kernel_thread_is_counted() {
-    let (job, files) = looping(Limits { blocks: 100, ..Limits::default() });
-    let control = Control::new(2).with_cpu_clock(ticking);
+    let (job, files) = looping(JobLimits { blocks: 100, ..JobLimits::default() });
+    let control = JobControl::new(2).with_cpu_clock(ticking);
     job.run(&files, &control, &mut Log::default());
     assert!(control.cpu().as_secs() >= 2, "a thread for each channel: {:?}", control.cpu());
-    let (job, files) = looping(Limits { blocks: 100, ..Limits::default() });
-    let control = Control::new(2);
+    let (job, files) = looping(JobLimits { blocks: 100, ..JobLimits::default() });
+    let control = JobControl::new(2);
     job.run(&files, &control, &mut Log::default());
     assert_eq!(control.cpu().as_secs(), 0, "nothing is measured without a clock");
 }

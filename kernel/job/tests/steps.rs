@@ -6,23 +6,25 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoint_kernel::control::{Control, State, Stop};
-use counterpoint_kernel::dialog::answers::Value;
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::control::{ChannelActivity, JobControl, StopSignal};
+use counterpoint_kernel::dialog::answers::DialogValue;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, RunEnd, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::summary::{self, ChannelState, Summary};
 use counterpoint_kernel::machine::{load, package};
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Report, Said, Spot, StepCalls, Whom};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::operator::{
+    BreakLocation, Breakpoint, Console, Heard, StepCalls, StepCommand, StepReply, StepReport, Whom,
+};
+use counterpoint_kernel::options::JobOptions;
 
 const S: i64 = 1_000_000_000;
 
 #[derive(Default)]
 struct Log(Vec<Event>);
 
-impl Sink for Log {
+impl LogSink for Log {
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
         self.0.extend_from_slice(batch);
         true
@@ -32,10 +34,10 @@ impl Sink for Log {
 /// The commands of the operator, each at a stop, and the answers.
 #[derive(Default)]
 struct Script {
-    commands: Mutex<VecDeque<Command>>,
-    said: Mutex<Vec<Said>>,
+    commands: Mutex<VecDeque<StepCommand>>,
+    said: Mutex<Vec<StepReply>>,
     /// Ends the job when the commands are used up; otherwise the operator leaves.
-    cancels: Option<Stop>,
+    cancels: Option<StopSignal>,
 }
 
 impl Console for Script {
@@ -58,32 +60,32 @@ impl Console for Script {
         }
     }
 
-    fn say(&self, said: Said) {
+    fn say(&self, said: StepReply) {
         self.said.lock().unwrap().push(said);
     }
 }
 
-fn job(machine: &str, programs: &[&str], threads: u16) -> (Job, Memory) {
+fn job(machine: &str, programs: &[&str], threads: u16) -> (Job, MemoryFiles) {
     // Its channels share the common variables.
     let text = format!(
         "extends = \"{machine}\"\n\n[ce]\nname = \"{machine}\"\n\n[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n"
     );
-    let mut own = Memory::default();
+    let mut own = MemoryFiles::default();
     own.insert("sharing/machine.toml", text);
     let machine = load(&package::Overlay::over_shipped(own), "sharing").machine.expect("a machine");
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let mut list = Vec::new();
     for (index, text) in programs.iter().enumerate() {
         let name = format!("jobs/p{}.nc", index + 1);
         files.insert(name.clone(), text.as_bytes());
-        list.push(Program { file: name, number: None, section: None, channel: None });
+        list.push(ProgramSelection { file: name, number: None, section: None, channel: None });
     }
-    let options = Options { threads, ..Options::default() };
+    let options = JobOptions { threads, ..JobOptions::default() };
     let spec = Spec { machine: machine.into(), programs: list, options };
     (Job::prepare(spec, &files).expect("a job that can run"), files)
 }
 
-fn ended(job: &Job, log: &Log, outcome: &Outcome) -> Summary {
+fn ended(job: &Job, log: &Log, outcome: &RunEnd) -> Summary {
     let mut builder = ResultsBuilder::new(job.info());
     log.0.iter().for_each(|event| builder.event(event));
     builder.finish(outcome).summary
@@ -93,18 +95,18 @@ fn ended(job: &Job, log: &Log, outcome: &Outcome) -> Summary {
 fn free(machine: &str, programs: &[&str]) -> Summary {
     let (job, files) = job(machine, programs, 0);
     let mut log = Log::default();
-    let outcome = job.run(&files, &Control::new(job.info().channels.len()), &mut log);
+    let outcome = job.run(&files, &JobControl::new(job.info().channels.len()), &mut log);
     ended(&job, &log, &outcome)
 }
 
 /// Runs a job with these commands; also returns the reports.
-fn stepped(machine: &str, programs: &[&str], commands: Vec<Command>, cancelled: bool) -> (Summary, Vec<Said>) {
+fn stepped(machine: &str, programs: &[&str], commands: Vec<StepCommand>, cancelled: bool) -> (Summary, Vec<StepReply>) {
     let (job, files) = job(machine, programs, 0);
-    let stop = Stop::default();
+    let stop = StopSignal::default();
     let script =
         Script { commands: Mutex::new(commands.into()), cancels: cancelled.then(|| stop.clone()), ..Script::default() };
     let script = Arc::new(script);
-    let control = Control::new(job.info().channels.len()).with_stop(stop).with_console(script.clone());
+    let control = JobControl::new(job.info().channels.len()).with_stop(stop).with_console(script.clone());
     let mut log = Log::default();
     let outcome = job.run(&files, &control, &mut log);
     let said = std::mem::take(&mut *script.said.lock().unwrap());
@@ -112,32 +114,34 @@ fn stepped(machine: &str, programs: &[&str], commands: Vec<Command>, cancelled: 
 }
 
 /// Lines of the channels at each stop, with its reason.
-fn stops(said: &[Said]) -> Vec<(String, Vec<u32>)> {
-    let stop = |said: &Said| match said {
-        Said::Stopped(report) => Some((report.reason.clone(), report.channels.iter().map(|one| one.line).collect())),
+fn stops(said: &[StepReply]) -> Vec<(String, Vec<u32>)> {
+    let stop = |said: &StepReply| match said {
+        StepReply::Stopped(report) => {
+            Some((report.reason.clone(), report.channels.iter().map(|one| one.line).collect()))
+        }
         _ => None,
     };
     said.iter().filter_map(stop).collect()
 }
 
-fn reports(said: &[Said]) -> Vec<&Report> {
+fn reports(said: &[StepReply]) -> Vec<&StepReport> {
     let report = |said| match said {
-        &Said::Stopped(ref report) | &Said::State(ref report) => Some(report),
+        &StepReply::Stopped(ref report) | &StepReply::State(ref report) => Some(report),
         _ => None,
     };
     said.iter().filter_map(report).collect()
 }
 
-fn step(whom: Whom, blocks: u32) -> Command {
-    Command::Step { whom, blocks, calls: StepCalls::Into }
+fn step(whom: Whom, blocks: u32) -> StepCommand {
+    StepCommand::Step { whom, blocks, calls: StepCalls::Into }
 }
 
-fn at(spot: Spot) -> Command {
-    Command::Add(Breakpoint { id: 0, spot, count: 0, once: false })
+fn at(spot: BreakLocation) -> StepCommand {
+    StepCommand::Add(Breakpoint { id: 0, spot, count: 0, once: false })
 }
 
-fn line(file: &str, line: u32) -> Spot {
-    Spot::Line { file: file.into(), line }
+fn line(file: &str, line: u32) -> BreakLocation {
+    BreakLocation::Line { file: file.into(), line }
 }
 
 /// 2 s, a meeting, 1 s; 0.5 s, the meeting, 3 s.
@@ -172,15 +176,20 @@ fn blocks_of_one_channel_and_of_all() {
     assert_eq!(summary.log_digest, free("fanuc-2path-lathe", &TWO).log_digest);
     let first = reports(&said)[2];
     let one = &first.channels[0];
-    assert_eq!((one.state, one.t_ns, one.in_block, &*one.block), (State::Waiting, 2 * S, true, "M101"));
+    assert_eq!((one.state, one.t_ns, one.in_block, &*one.block), (ChannelActivity::Waiting, 2 * S, true, "M101"));
     assert_eq!(&*one.wait.as_ref().unwrap().key, "M101");
     let two = &first.channels[1];
-    assert_eq!((two.state, two.t_ns, two.in_block, &*two.block), (State::Running, 0, false, "G4P500"));
+    assert_eq!((two.state, two.t_ns, two.in_block, &*two.block), (ChannelActivity::Running, 0, false, "G4P500"));
 }
 
 #[test]
 fn a_block_under_way_is_the_first_of_a_step() {
-    let commands = vec![at(Spot::Wait(String::new())), Command::Continue, step(Whom::One(2), 1), step(Whom::One(2), 1)];
+    let commands = vec![
+        at(BreakLocation::Wait(String::new())),
+        StepCommand::Continue,
+        step(Whom::One(2), 1),
+        step(Whom::One(2), 1),
+    ];
     let (_, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
     assert_eq!(
         stops(&said)[1..],
@@ -192,8 +201,8 @@ fn a_block_under_way_is_the_first_of_a_step() {
         ]
     );
     let commands = vec![
-        Command::Add(Breakpoint { id: 0, spot: Spot::Wait("M101".into()), count: 1, once: true }),
-        Command::Continue,
+        StepCommand::Add(Breakpoint { id: 0, spot: BreakLocation::Wait("M101".into()), count: 1, once: true }),
+        StepCommand::Continue,
         step(Whom::One(2), 1),
         step(Whom::One(2), 1),
         step(Whom::Next, 1),
@@ -208,19 +217,19 @@ fn a_block_under_way_is_the_first_of_a_step() {
 fn breakpoints_at_waits_lines_times_and_writes() {
     let programs = ["G4P1000\n#500=7\nM101\n#500=8\nM30\n", "#1=3\nG50X50.Z2.\nG4P500\nM101\n#501=#500\nM30\n"];
     let commands = vec![
-        at(Spot::Time(400_000_000)),
+        at(BreakLocation::Time(400_000_000)),
         at(line("p1.nc", 2)),
-        at(Spot::Wait("101".into())),
-        at(Spot::Write("#500".into())),
+        at(BreakLocation::Wait("101".into())),
+        at(BreakLocation::Write("#500".into())),
         at(line("p1.nc", 9)),
-        Command::Remove(5),
-        Command::Continue,
-        Command::Continue,
-        Command::Continue,
-        Command::Continue,
-        Command::Continue,
-        Command::Continue,
-        Command::Continue,
+        StepCommand::Remove(5),
+        StepCommand::Continue,
+        StepCommand::Continue,
+        StepCommand::Continue,
+        StepCommand::Continue,
+        StepCommand::Continue,
+        StepCommand::Continue,
+        StepCommand::Continue,
     ];
     let (summary, said) = stepped("fanuc-2path-lathe", &programs, commands, false);
     let reasons: Vec<String> = stops(&said).into_iter().skip(1).map(|(reason, _)| reason).collect();
@@ -237,35 +246,35 @@ fn breakpoints_at_waits_lines_times_and_writes() {
         ]
     );
     assert_eq!(summary.log_digest, free("fanuc-2path-lathe", &programs).log_digest);
-    assert_eq!(summary.state, summary::State::Succeeded);
-    let stopped: Vec<&Report> = reports(&said).into_iter().filter(|report| !report.reason.is_empty()).collect();
+    assert_eq!(summary.state, summary::JobOutcome::Succeeded);
+    let stopped: Vec<&StepReport> = reports(&said).into_iter().filter(|report| !report.reason.is_empty()).collect();
     let written = stopped[4];
-    assert_eq!(written.variables, [("#500".to_owned(), Value::Number(7.0))]);
+    assert_eq!(written.variables, [("#500".to_owned(), DialogValue::Number(7.0))]);
     assert!(written.channels[0].in_block && written.channels[0].line == 2);
     let of_two = &written.channels[1];
-    assert_eq!(of_two.variables[..1], [("#1".to_owned(), Value::Number(3.0))]);
+    assert_eq!(of_two.variables[..1], [("#1".to_owned(), DialogValue::Number(3.0))]);
     assert_eq!(of_two.positions, [("X".to_owned(), 50.0), ("Z".to_owned(), 2.0)]);
-    assert_eq!((of_two.state, of_two.line), (State::Waiting, 4));
+    assert_eq!((of_two.state, of_two.line), (ChannelActivity::Waiting, 4));
     let ids: Vec<u32> = written.breakpoints.iter().map(|breakpoint| breakpoint.id).collect();
     assert_eq!(ids, [2, 3, 4], "the time is over, the fifth one was deleted");
 }
 
 #[test]
 fn feed_hold_lets_the_others_run_and_takes_no_simulated_time() {
-    let commands = vec![Command::Hold(1), Command::Continue, Command::Resume(0), Command::Continue];
+    let commands = vec![StepCommand::Hold(1), StepCommand::Continue, StepCommand::Resume(0), StepCommand::Continue];
     let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
     let free = free("fanuc-2path-lathe", &TWO);
     assert_eq!(stops(&said)[1..], [("no channel can continue; on feed hold: 1".to_owned(), vec![1, 2])]);
     let held = &reports(&said)[2].channels;
-    assert_eq!((held[0].held, held[0].t_ns, held[1].held, held[1].state), (true, 0, false, State::Waiting));
+    assert_eq!((held[0].held, held[0].t_ns, held[1].held, held[1].state), (true, 0, false, ChannelActivity::Waiting));
     assert_eq!((summary.log_digest, summary.makespan_ns), (free.log_digest, 5 * S));
 }
 
 #[test]
 fn a_reset_ends_one_channel() {
-    let commands = vec![step(Whom::All, 1), Command::Reset(2), Command::Continue];
+    let commands = vec![step(Whom::All, 1), StepCommand::Reset(2), StepCommand::Continue];
     let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
-    assert_eq!(summary.state, summary::State::Failed);
+    assert_eq!(summary.state, summary::JobOutcome::Failed);
     assert_eq!(summary.channels[1].state, ChannelState::Alarmed);
     assert_eq!(summary.channels[1].end_ns, S / 2);
     let numbers: Vec<u32> = summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect();
@@ -277,22 +286,22 @@ fn a_reset_ends_one_channel() {
 fn what_cannot_be_done_is_refused() {
     let commands = vec![
         step(Whom::One(3), 1),
-        Command::Hold(3),
-        Command::Reset(0),
-        Command::Remove(1),
-        Command::Hold(2),
+        StepCommand::Hold(3),
+        StepCommand::Reset(0),
+        StepCommand::Remove(1),
+        StepCommand::Hold(2),
         step(Whom::One(2), 1),
-        Command::Resume(2),
+        StepCommand::Resume(2),
         step(Whom::One(2), 2),
-        Command::Reset(2),
-        Command::Pause,
-        Command::Continue,
+        StepCommand::Reset(2),
+        StepCommand::Pause,
+        StepCommand::Continue,
     ];
     let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
     let refused: Vec<&str> = said
         .iter()
         .filter_map(|said| match said {
-            Said::Refused(text) => Some(text.as_str()),
+            StepReply::Refused(text) => Some(text.as_str()),
             _ => None,
         })
         .collect();
@@ -307,7 +316,7 @@ fn what_cannot_be_done_is_refused() {
             "channel 2 is waiting; reset it after its partner has arrived, before its next block",
         ]
     );
-    assert_eq!(summary.state, summary::State::Succeeded);
+    assert_eq!(summary.state, summary::JobOutcome::Succeeded);
 }
 
 #[test]
@@ -315,11 +324,11 @@ fn the_only_channel_of_a_job_is_stepped_through_as_well() {
     let programs = ["#1=1\nWHILE[#1LT4]DO1\n#1=#1+1\nG4P100\nEND1\n#500=#1\nM30\n"];
     let commands = vec![
         step(Whom::Next, 3),
-        Command::Hold(1),
-        Command::Continue,
-        Command::Resume(1),
-        at(Spot::Write("#500".into())),
-        Command::Continue,
+        StepCommand::Hold(1),
+        StepCommand::Continue,
+        StepCommand::Resume(1),
+        at(BreakLocation::Write("#500".into())),
+        StepCommand::Continue,
     ];
     let (summary, said) = stepped("fanuc-mill", &programs, commands, false);
     assert_eq!(
@@ -338,7 +347,7 @@ fn the_only_channel_of_a_job_is_stepped_through_as_well() {
 #[test]
 fn a_cancel_ends_a_run_that_stands() {
     let (summary, said) = stepped("fanuc-2path-lathe", &TWO, vec![step(Whom::All, 1)], true);
-    assert_eq!(summary.state, summary::State::Cancelled);
+    assert_eq!(summary.state, summary::JobOutcome::Cancelled);
     assert_eq!(stops(&said).len(), 2);
 }
 
@@ -368,7 +377,7 @@ fn any_commands_give_the_log_of_a_free_run() {
     let texts = busy();
     let programs: Vec<&str> = texts.iter().map(String::as_str).collect();
     let free = free("fanuc-3path-lathe", &programs);
-    assert_eq!(free.state, summary::State::Succeeded, "{:?}", free.diagnostics);
+    assert_eq!(free.state, summary::JobOutcome::Succeeded, "{:?}", free.diagnostics);
     let mut x = 0x2545_f491_4f6c_dd1d_u64;
     let mut next = |below: u64| {
         x ^= x << 13;
@@ -385,20 +394,20 @@ fn any_commands_give_the_log_of_a_free_run() {
                 0..=2 => step(Whom::One(channel.max(1)), blocks),
                 3 => step(Whom::All, blocks),
                 4 => step(Whom::Next, blocks),
-                5 => Command::Hold(channel),
-                6 => Command::Resume(channel),
-                7 => Command::Add(Breakpoint {
+                5 => StepCommand::Hold(channel),
+                6 => StepCommand::Resume(channel),
+                7 => StepCommand::Add(Breakpoint {
                     id: 0,
                     spot: match next(4) {
-                        0 => Spot::Wait(["", "110", "M111"][next(3) as usize].into()),
-                        1 => Spot::Write(format!("#{}", 500 + next(3))),
+                        0 => BreakLocation::Wait(["", "110", "M111"][next(3) as usize].into()),
+                        1 => BreakLocation::Write(format!("#{}", 500 + next(3))),
                         2 => line("", 1 + next(20) as u32),
-                        _ => Spot::Time(next(4 * S as u64) as i64),
+                        _ => BreakLocation::Time(next(4 * S as u64) as i64),
                     },
                     count: blocks,
                     once: next(2) == 0,
                 }),
-                _ => Command::Continue,
+                _ => StepCommand::Continue,
             });
         }
         let (summary, said) = stepped("fanuc-3path-lathe", &programs, commands, false);
@@ -411,12 +420,12 @@ fn steps_go_over_shipped_cycles_and_stop_in_one_at_a_breakpoint() {
     let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nHOLES1(0,0,0,5,10,2)\nX50\nM30\n";
     let steps = vec![step(Whom::Next, 1); 6];
     let (summary, said) = stepped("siemens-mill", &[text], steps, false);
-    assert_eq!(summary.state, summary::State::Succeeded, "{:?}", summary.diagnostics);
+    assert_eq!(summary.state, summary::JobOutcome::Succeeded, "{:?}", summary.diagnostics);
     let lines: Vec<u32> = stops(&said).into_iter().flat_map(|(_, lines)| lines).collect();
     assert_eq!(lines[..6], [1, 2, 3, 4, 5, 6]);
 
     let inside = || line("holes1.spf", 15);
-    let commands = vec![at(inside()), Command::Continue, step(Whom::Next, 1)];
+    let commands = vec![at(inside()), StepCommand::Continue, step(Whom::Next, 1)];
     let (_, said) = stepped("siemens-mill", &[text], commands, false);
     let files: Vec<(String, u32)> =
         reports(&said).iter().map(|report| (report.channels[0].file.clone(), report.channels[0].line)).collect();
@@ -424,12 +433,12 @@ fn steps_go_over_shipped_cycles_and_stop_in_one_at_a_breakpoint() {
     assert_eq!(files.last().map(|(file, line)| (file.as_str(), *line)), Some(("jobs/p1.nc", 5)));
 }
 
-fn calls(calls: StepCalls, whom: Whom, blocks: u32) -> Command {
-    Command::Step { whom, blocks, calls }
+fn calls(calls: StepCalls, whom: Whom, blocks: u32) -> StepCommand {
+    StepCommand::Step { whom, blocks, calls }
 }
 
 /// Lines of the only channel at each stop after the first.
-fn lines_of(machine: &str, text: &str, commands: Vec<Command>) -> Vec<u32> {
+fn lines_of(machine: &str, text: &str, commands: Vec<StepCommand>) -> Vec<u32> {
     let (summary, said) = stepped(machine, &[text], commands, false);
     assert_eq!(summary.log_digest, free(machine, &[text]).log_digest, "{:?}", summary.diagnostics);
     stops(&said).into_iter().skip(1).flat_map(|(_, lines)| lines).collect()
@@ -453,8 +462,9 @@ fn steps_go_over_and_out_of_calls() {
     ];
     for (machine, text) in programs {
         let next = |of, blocks| calls(of, Whom::Next, blocks);
-        let until =
-            |at| [Command::Add(Breakpoint { id: 0, spot: line("", at), count: 0, once: true }), Command::Continue];
+        let until = |at| {
+            [StepCommand::Add(Breakpoint { id: 0, spot: line("", at), count: 0, once: true }), StepCommand::Continue]
+        };
         let all = lines_of(machine, text, vec![step(Whom::Next, 1); 20]);
         assert!(all.starts_with(&[2]) && [6, 11].iter().all(|line| all.contains(line)), "{machine}: {all:?}");
         let over = |from: u32, blocks| {
@@ -476,9 +486,9 @@ fn steps_go_over_and_out_of_calls() {
             );
         }
         let (_, said) = stepped(machine, &[text], vec![next(Into, 1), next(Out, 1)], false);
-        let refusals: Vec<_> = said.iter().filter(|said| matches!(said, Said::Refused(_))).collect();
+        let refusals: Vec<_> = said.iter().filter(|said| matches!(said, StepReply::Refused(_))).collect();
         assert!(
-            matches!(&refusals[..], [Said::Refused(text)] if text.contains("there is no call to leave")),
+            matches!(&refusals[..], [StepReply::Refused(text)] if text.contains("there is no call to leave")),
             "{machine}: {refusals:?}"
         );
     }

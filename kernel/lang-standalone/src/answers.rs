@@ -5,17 +5,17 @@
 
 use std::collections::BTreeMap;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 /// An answer: the button, and variables with their values.
 #[derive(Clone, Debug, Default)]
-pub struct Answer {
+pub struct PreparedAnswer {
     /// Label of the button.
     pub button: String,
     /// `%G01` or `$NAME` with the value it gets.
-    pub values: Vec<(String, Value)>,
+    pub values: Vec<(String, MacroValue)>,
 }
 
 fn key(name: &str) -> String {
@@ -24,17 +24,17 @@ fn key(name: &str) -> String {
 
 /// Answers by dialog.
 #[derive(Debug, Default)]
-pub(crate) struct Answers(BTreeMap<String, Answer>);
+pub(crate) struct Answers(BTreeMap<String, PreparedAnswer>);
 
 impl Answers {
-    pub(crate) fn add(&mut self, dialog: &str, answer: Answer) {
+    pub(crate) fn add(&mut self, dialog: &str, answer: PreparedAnswer) {
         self.0.insert(key(dialog), answer);
     }
 
-    pub(crate) fn find(&self, dialog: &str) -> Outcome<Answer> {
+    pub(crate) fn find(&self, dialog: &str) -> Outcome<PreparedAnswer> {
         self.0.get(&key(dialog)).cloned().ok_or_else(|| {
             let message = format!("the dialog '{dialog}' cannot be shown here, and no answer was given ahead");
-            Fault::new(Number::NO_DIALOG, message)
+            MacroFault::new(DiagnosticNumber::NO_DIALOG, message)
         })
     }
 }

@@ -2,26 +2,26 @@
 
 use std::collections::BTreeMap;
 
-use counterpoint_lang::host::{Facts, Folder, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FileFacts, MacroFolder, NOT_FOUND, Shelf, stored};
 
-use crate::outside::Outside;
+use crate::outside::HostEnvironment;
 
 /// Files in memory, the folder of the run and its current folder.
 #[derive(Debug, Default)]
-pub struct Disk {
+pub struct VirtualDisk {
     /// Files by name.
     pub files: BTreeMap<String, String>,
-    folder: Folder,
+    folder: MacroFolder,
 }
 
 /// Where the files are.
-struct Storage<'a> {
+struct FileBackend<'a> {
     files: &'a mut BTreeMap<String, String>,
-    outside: Option<&'a mut Box<dyn Outside>>,
+    outside: Option<&'a mut Box<dyn HostEnvironment>>,
 }
 
-impl Storage<'_> {
-    fn outside(&mut self, path: &str) -> Option<&mut Box<dyn Outside>> {
+impl FileBackend<'_> {
+    fn outside(&mut self, path: &str) -> Option<&mut Box<dyn HostEnvironment>> {
         if stored(path) { None } else { self.outside.as_deref_mut() }
     }
 
@@ -32,7 +32,7 @@ impl Storage<'_> {
     }
 }
 
-impl Shelf for Storage<'_> {
+impl Shelf for FileBackend<'_> {
     fn read(&mut self, path: &str) -> Result<String, i32> {
         match self.outside(path) {
             Some(outside) => outside.read(path),
@@ -50,14 +50,14 @@ impl Shelf for Storage<'_> {
         }
     }
 
-    fn facts(&mut self, path: &str) -> Result<Facts, i32> {
+    fn facts(&mut self, path: &str) -> Result<FileFacts, i32> {
         if let Some(outside) = self.outside(path) {
             return outside.facts(path);
         }
         let folder = path == "." || self.files.keys().any(|name| name.starts_with(&format!("{path}/")));
         match self.text(path) {
-            Some(text) => Ok(Facts::file(text.len(), stored(path))),
-            None if folder => Ok(Facts::folder()),
+            Some(text) => Ok(FileFacts::file(text.len(), stored(path))),
+            None if folder => Ok(FileFacts::folder()),
             None => Err(NOT_FOUND),
         }
     }
@@ -76,13 +76,13 @@ impl Shelf for Storage<'_> {
     }
 }
 
-impl Disk {
+impl VirtualDisk {
     /// Runs an operation on the folder of the run and its files.
     pub(crate) fn with<R>(
         &mut self,
-        outside: Option<&mut Box<dyn Outside>>,
-        work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R,
+        outside: Option<&mut Box<dyn HostEnvironment>>,
+        work: impl FnOnce(&mut MacroFolder, &mut dyn Shelf) -> R,
     ) -> R {
-        work(&mut self.folder, &mut Storage { files: &mut self.files, outside })
+        work(&mut self.folder, &mut FileBackend { files: &mut self.files, outside })
     }
 }

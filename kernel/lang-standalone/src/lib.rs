@@ -15,27 +15,27 @@ mod standalone;
 mod tables;
 mod variables;
 
-pub use answers::Answer;
-pub use files::Disk;
+pub use answers::PreparedAnswer;
+pub use files::VirtualDisk;
 pub use identifiers::Spelling;
-pub use output::Output;
-pub use outside::{Outside, Stream};
+pub use output::MacroOutput;
+pub use outside::{HostEnvironment, OutputStream};
 pub use program::NcProgram;
 pub use standalone::Standalone;
 pub use variables::Domain;
 
-use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
-use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::Dialog;
-use counterpoint_lang::source::Source;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, DeclarationStrictness, MacroProgram, MacroRole};
+use counterpoint_lang::diag::MacroDiagnostic;
+use counterpoint_lang::host::ConsoleHost;
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{self, MacroEnd, MacroLimits, MacroState};
 
 /// All diagnostics of a file.
 #[must_use]
-pub fn check(text: &str, name: &str) -> Vec<Diagnostic> {
-    let options = Options { uninitialised: true, ..Options::default() };
-    compile::add(&mut Program::new(), &mut Standalone::new(), Source::new(name, text), options).diagnostics
+pub fn check(text: &str, name: &str) -> Vec<MacroDiagnostic> {
+    let options = CompileOptions { uninitialised: true, ..CompileOptions::default() };
+    compile::add(&mut MacroProgram::new(), &mut Standalone::new(), MacroSource::new(name, text), options).diagnostics
 }
 
 /// A name and a text.
@@ -44,8 +44,8 @@ pub type File = (String, String);
 /// All diagnostics of files (name and text) that are used together, in their order. They know each other's functions
 /// and shared variables. Under strong declaration the last one is a macro, those before it declare.
 #[must_use]
-pub fn check_all(files: &[File], host: &mut Standalone, strong: Strong) -> Vec<Vec<Diagnostic>> {
-    let mut program = Program::new();
+pub fn check_all(files: &[File], host: &mut Standalone, strong: DeclarationStrictness) -> Vec<Vec<MacroDiagnostic>> {
+    let mut program = MacroProgram::new();
     let mut found = vec![Vec::new(); files.len()];
     for at in order::order(files) {
         if let (Some(file), Some(place)) = (files.get(at), found.get_mut(at)) {
@@ -56,13 +56,13 @@ pub fn check_all(files: &[File], host: &mut Standalone, strong: Strong) -> Vec<V
     found
 }
 
-fn source((name, text): &File) -> Source {
-    Source::new(name.as_str(), text.as_str())
+fn source((name, text): &File) -> MacroSource {
+    MacroSource::new(name.as_str(), text.as_str())
 }
 
-fn options(last: bool, strong: Strong) -> Options {
-    let place = if last { Place::Any } else { Place::Library };
-    Options { uninitialised: true, place, strong, ..Options::default() }
+fn options(last: bool, strong: DeclarationStrictness) -> CompileOptions {
+    let place = if last { MacroRole::Any } else { MacroRole::Library };
+    CompileOptions { uninitialised: true, place, strong, ..CompileOptions::default() }
 }
 
 /// How to run.
@@ -71,21 +71,21 @@ pub struct RunOptions {
     /// Trace every statement.
     pub trace: bool,
     /// Strong declaration: the last file is a macro, those before it declare.
-    pub strong: Strong,
+    pub strong: DeclarationStrictness,
     /// Budgets.
-    pub limits: Limits,
+    pub limits: MacroLimits,
 }
 
 /// Runs the last of `files` (name and text); the others define functions. Everything that is printed, traced and found
 /// goes to the host as it happens, findings of the checker first. Tells whether there was an error.
 pub fn run(files: &[File], host: &mut Standalone, options: RunOptions) -> bool {
-    let mut program = Program::new();
-    let mut state = State::new(options.limits);
+    let mut program = MacroProgram::new();
+    let mut state = MacroState::new(options.limits);
     let (mut failed, mut macros) = (false, Vec::new());
     let order = order::order(files).into_iter().filter(|at| at + 1 < files.len());
     for at in order.chain(files.len().checked_sub(1)) {
         let Some(file) = files.get(at) else { continue };
-        let how = Options { trace: options.trace, ..self::options(at + 1 == files.len(), options.strong) };
+        let how = CompileOptions { trace: options.trace, ..self::options(at + 1 == files.len(), options.strong) };
         let added = compile::add(&mut program, host, source(file), how);
         failed |= added.has_errors();
         macros = added.macros;
@@ -96,7 +96,7 @@ pub fn run(files: &[File], host: &mut Standalone, options: RunOptions) -> bool {
     }
     for index in macros {
         let (end, _) = vm::run(&program, &mut state, host, index, &mut []);
-        if end != End::Normal {
+        if end != MacroEnd::Normal {
             break;
         }
     }
@@ -106,6 +106,6 @@ pub fn run(files: &[File], host: &mut Standalone, options: RunOptions) -> bool {
 }
 
 /// An argument as a text.
-fn text(arguments: &[Value], position: usize) -> &str {
-    arguments.get(position).and_then(Value::as_text).unwrap_or("")
+fn text(arguments: &[MacroValue], position: usize) -> &str {
+    arguments.get(position).and_then(MacroValue::as_text).unwrap_or("")
 }

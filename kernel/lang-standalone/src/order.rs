@@ -4,25 +4,30 @@
 //! otherwise the given order stays.
 
 use super::File;
-use counterpoint_lang::ast::{Scope, StatementKind};
-use counterpoint_lang::lex::{self, Token};
+use counterpoint_lang::ast::{MacroVariableScope, StatementKind};
+use counterpoint_lang::lex::{self, TokenKind};
 use counterpoint_lang::parse;
-use counterpoint_lang::source::Source;
+use counterpoint_lang::source::MacroSource;
 use std::collections::HashSet;
 
 /// Names that a file defines for other files, and every name it uses.
-struct Names {
+struct FileSymbols {
     defines: HashSet<String>,
     uses: HashSet<String>,
 }
 
-fn names(file: &File) -> Names {
-    let source = Source::new(file.0.as_str(), file.1.as_str());
+fn names(file: &File) -> FileSymbols {
+    let source = MacroSource::new(file.0.as_str(), file.1.as_str());
     let mut defines = HashSet::new();
     for one in parse::parse(&source).0 {
         defines.extend(one.header.map(|header| header.name));
         for statement in one.statements {
-            if let StatementKind::Declare { scope: Scope::Object | Scope::Global, names, .. } = statement.kind {
+            if let StatementKind::Declare {
+                scope: MacroVariableScope::Object | MacroVariableScope::Global,
+                names,
+                ..
+            } = statement.kind
+            {
                 defines.extend(names.into_iter().map(|declared| declared.name));
             }
         }
@@ -30,15 +35,15 @@ fn names(file: &File) -> Names {
     let (lines, _) = lex::lex(&source);
     let tokens = lines.into_iter().flat_map(|line| line.tokens);
     let uses = tokens.filter_map(|spanned| match spanned.token {
-        Token::Name(name) | Token::Percent(name) => Some(name),
+        TokenKind::Name(name) | TokenKind::Percent(name) => Some(name),
         _ => None,
     });
-    Names { uses: uses.collect(), defines }
+    FileSymbols { uses: uses.collect(), defines }
 }
 
 /// Positions of the files in the order of their use.
 pub(crate) fn order(files: &[File]) -> Vec<usize> {
-    let all: Vec<Names> = files.iter().map(names).collect();
+    let all: Vec<FileSymbols> = files.iter().map(names).collect();
     let needs = |at: usize, other: usize| {
         at != other
             && matches!((all.get(at), all.get(other)), (Some(a), Some(b)) if b.defines.iter().any(|name| a.uses.contains(name) && !a.defines.contains(name)))

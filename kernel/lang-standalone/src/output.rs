@@ -1,16 +1,16 @@
 //! Output, reports and trace of macros, and the commands that would go to a control.
 
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::diag::MacroDiagnostic;
 
 /// The output of macros while nothing was attached.
 #[derive(Debug, Default)]
-pub struct Output {
+pub struct MacroOutput {
     /// Text printed by PPRINT and text written to the console.
     pub printed: Vec<String>,
     /// Commands for the control, one line each.
     pub commands: Vec<String>,
     /// Reported diagnostics.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Vec<MacroDiagnostic>,
     /// Lines of the trace.
     pub traced: Vec<String>,
     /// The attached output accepts no more lines.

@@ -1,13 +1,13 @@
 //! Where lines go and where files are.
 //!
-//! *Invariant:* without an [`Outside`] nothing but memory is touched.
+//! *Invariant:* without an [`HostEnvironment`] nothing but memory is touched.
 
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::diag::MacroDiagnostic;
 use counterpoint_lang::host::Shelf;
 
 /// Kinds of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stream {
+pub enum OutputStream {
     /// The output of PPRINT.
     Printed,
     /// The macro trace.
@@ -17,12 +17,12 @@ pub enum Stream {
 }
 
 /// A console, and files below one folder.
-pub trait Outside: Shelf + std::fmt::Debug {
+pub trait HostEnvironment: Shelf + std::fmt::Debug {
     /// Takes a line; false if it takes no more lines, which ends the run.
-    fn line(&mut self, stream: Stream, text: &str) -> bool;
+    fn line(&mut self, stream: OutputStream, text: &str) -> bool;
 
     /// Takes a diagnostic.
-    fn report(&mut self, diagnostic: &Diagnostic);
+    fn report(&mut self, diagnostic: &MacroDiagnostic);
 
     /// One line from the console.
     fn console(&mut self) -> Option<String>;

@@ -4,11 +4,11 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident;
-use counterpoint_lang::state::State;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::state::MacroState;
+use counterpoint_lang::value::MacroValue;
 
 use crate::text;
 use crate::variables::SystemTable;
@@ -38,83 +38,85 @@ pub struct NcProgram {
     /// Its blocks.
     pub blocks: Vec<String>,
     /// Its variables by name, upper case, indices in brackets.
-    pub variables: BTreeMap<String, Value>,
+    pub variables: BTreeMap<String, MacroValue>,
     /// Position of the block read next.
     next: usize,
-    pub(crate) block: Block,
+    pub(crate) block: CurrentBlock,
 }
 
 /// Data of the current block, modal values, active codes.
 #[derive(Debug, Default)]
-pub(crate) struct Block {
+pub(crate) struct CurrentBlock {
     /// Identifiers with their values; none for a code without one.
-    items: Vec<(Value, Value)>,
-    modal: Vec<(Value, Value)>,
+    items: Vec<(MacroValue, MacroValue)>,
+    modal: Vec<(MacroValue, MacroValue)>,
     active: Vec<(u16, u32)>,
     /// Modal groups of codes.
     groups: HashMap<u32, u16>,
 }
 
-fn same(a: &Value, b: &Value) -> bool {
+fn same(a: &MacroValue, b: &MacroValue) -> bool {
     a.equals(b) == Some(true)
 }
 
-impl Block {
-    pub(crate) fn put(&mut self, item: Value, value: f64) {
-        if matches!(item, Value::Register(_)) {
-            self.modal.push((item.clone(), Value::Real(value)));
+impl CurrentBlock {
+    pub(crate) fn put(&mut self, item: MacroValue, value: f64) {
+        if matches!(item, MacroValue::Register(_)) {
+            self.modal.push((item.clone(), MacroValue::Real(value)));
         }
-        self.items.push((item, Value::Real(value)));
+        self.items.push((item, MacroValue::Real(value)));
     }
 
     pub(crate) fn group(&mut self, code: u32, group: u16) {
         self.groups.insert(code, group);
     }
 
-    pub(crate) fn add(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn add(&mut self, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         // Looking for an item goes through all of them, so a block pays for its length.
         state.spend(self.items.len())?;
-        let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
-        let known = !matches!(item, Value::Code(0) | Value::Register(0));
+        let Some(item) = arguments.first() else { return Ok(MacroValue::Logical(false)) };
+        let known = !matches!(item, MacroValue::Code(0) | MacroValue::Register(0));
         if known {
-            let value = arguments.get(1).cloned().unwrap_or(Value::Real(0.0));
+            let value = arguments.get(1).cloned().unwrap_or(MacroValue::Real(0.0));
             self.items.push((item.clone(), value));
         }
-        Ok(Value::Logical(known))
+        Ok(MacroValue::Logical(known))
     }
 
-    pub(crate) fn seek(&mut self, arguments: &[Value], take: bool) -> Outcome<Value> {
-        let Some(item) = arguments.first() else { return Ok(Value::Null) };
-        if !matches!(item, Value::Code(_) | Value::Register(_)) {
-            return Err(Fault::kind("a code or data identifier", item));
+    pub(crate) fn seek(&mut self, arguments: &[MacroValue], take: bool) -> Outcome<MacroValue> {
+        let Some(item) = arguments.first() else { return Ok(MacroValue::Null) };
+        if !matches!(item, MacroValue::Code(_) | MacroValue::Register(_)) {
+            return Err(MacroFault::kind("a code or data identifier", item));
         }
         let mode = match arguments.get(1) {
-            Some(Value::Keyword(code)) => ident::minor_name(*code).unwrap_or(""),
+            Some(MacroValue::Keyword(code)) => ident::minor_name(*code).unwrap_or(""),
             _ => "",
         };
         let found = self.items.iter().position(|(other, _)| same(other, item)).filter(|_| mode != "LAST");
         if let Some(at) = found {
-            let value = self.items.get(at).map_or(Value::Null, |(_, value)| value.clone());
+            let value = self.items.get(at).map_or(MacroValue::Null, |(_, value)| value.clone());
             if take {
                 self.items.remove(at);
             }
             return Ok(value);
         }
         let modal = self.modal.iter().rev().find(|(other, _)| same(other, item) && !mode.is_empty());
-        Ok(modal.map_or(Value::Null, |(_, value)| value.clone()))
+        Ok(modal.map_or(MacroValue::Null, |(_, value)| value.clone()))
     }
 
     /// The active code of the group of a code; made so if `set`.
-    pub(crate) fn active(&mut self, arguments: &[Value], set: bool) -> Value {
-        let Some(Value::Code(code)) = arguments.first() else { return Value::Code(0) };
-        let Some(group) = self.groups.get(code).copied().filter(|group| *group != 0) else { return Value::Code(0) };
+    pub(crate) fn active(&mut self, arguments: &[MacroValue], set: bool) -> MacroValue {
+        let Some(MacroValue::Code(code)) = arguments.first() else { return MacroValue::Code(0) };
+        let Some(group) = self.groups.get(code).copied().filter(|group| *group != 0) else {
+            return MacroValue::Code(0);
+        };
         let active = &mut self.active;
         let before = active.iter().find(|(other, _)| *other == group).map_or(0, |(_, code)| *code);
         if set {
             active.retain(|(other, _)| *other != group);
             active.push((group, *code));
         }
-        Value::Code(before)
+        MacroValue::Code(before)
     }
 }
 
@@ -124,7 +126,7 @@ impl NcProgram {
     }
 
     /// A variable of the NC program, its indices in brackets.
-    fn variable_name(arguments: &[Value], from: usize) -> String {
+    fn variable_name(arguments: &[MacroValue], from: usize) -> String {
         let indices: Vec<String> = arguments
             .iter()
             .skip(from)
@@ -135,14 +137,14 @@ impl NcProgram {
         if indices.is_empty() { name } else { format!("{name}[{}]", indices.join(",")) }
     }
 
-    pub(crate) fn variable(&self, arguments: &[Value]) -> Value {
-        self.variables.get(&Self::variable_name(arguments, 1)).cloned().unwrap_or(Value::Null)
+    pub(crate) fn variable(&self, arguments: &[MacroValue]) -> MacroValue {
+        self.variables.get(&Self::variable_name(arguments, 1)).cloned().unwrap_or(MacroValue::Null)
     }
 
-    pub(crate) fn set_variable(&mut self, arguments: &[Value]) -> Value {
+    pub(crate) fn set_variable(&mut self, arguments: &[MacroValue]) -> MacroValue {
         let place = self.variables.get_mut(&Self::variable_name(arguments, 2));
-        let value = arguments.get(1).filter(|value| !matches!(value, Value::Sequence(_)));
-        Value::Logical(match (place, value) {
+        let value = arguments.get(1).filter(|value| !matches!(value, MacroValue::Sequence(_)));
+        MacroValue::Logical(match (place, value) {
             (Some(place), Some(value)) => {
                 *place = value.clone();
                 true
@@ -155,23 +157,24 @@ impl NcProgram {
     pub(crate) fn search(
         &self,
         system: &mut SystemTable,
-        state: &mut State,
-        arguments: &[Value],
+        state: &mut MacroState,
+        arguments: &[MacroValue],
         forward: bool,
-    ) -> Outcome<Value> {
-        let expressions: Vec<&Value> = match arguments.first() {
-            Some(Value::Sequence(all)) => all.iter().collect(),
+    ) -> Outcome<MacroValue> {
+        let expressions: Vec<&MacroValue> = match arguments.first() {
+            Some(MacroValue::Sequence(all)) => all.iter().collect(),
             Some(one) => vec![one],
             None => Vec::new(),
         };
         let mut patterns = Vec::new();
         for expression in expressions {
-            let expression = expression.as_text().ok_or_else(|| Fault::kind("a regular expression", expression))?;
+            let expression =
+                expression.as_text().ok_or_else(|| MacroFault::kind("a regular expression", expression))?;
             patterns.push(state.pattern(expression)?);
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let record =
-            |at: usize| arguments.get(at).and_then(Value::as_real).map_or(0, |number| number.max(0.0) as usize);
+            |at: usize| arguments.get(at).and_then(MacroValue::as_real).map_or(0, |number| number.max(0.0) as usize);
         let count = self.blocks.len();
         let (start, end) = (record(1), record(2));
         let blocks: Vec<usize> = if forward {
@@ -188,26 +191,26 @@ impl NcProgram {
             for pattern in &patterns {
                 state.spend(1 + block.len() / 16)?;
                 if pattern.find(&block, 0, &mut budget)?.is_some() {
-                    system.set("$MCDRD", Value::text(block));
+                    system.set("$MCDRD", MacroValue::text(block));
                     #[allow(clippy::cast_precision_loss)]
-                    return Ok(Value::Real(number as f64));
+                    return Ok(MacroValue::Real(number as f64));
                 }
             }
         }
-        Ok(Value::Real(0.0))
+        Ok(MacroValue::Real(0.0))
     }
 
     /// TAPERD
-    pub(crate) fn read_block(&mut self, system: &mut SystemTable, state: &mut State) {
+    pub(crate) fn read_block(&mut self, system: &mut SystemTable, state: &mut MacroState) {
         let Some(block) = self.blocks.get(self.next).cloned() else {
-            state.warn(Fault::new(Number::PROGRAM_END, "the NC program has no further block"));
-            system.set("$MCDRD", Value::text(""));
+            state.warn(MacroFault::new(DiagnosticNumber::PROGRAM_END, "the NC program has no further block"));
+            system.set("$MCDRD", MacroValue::text(""));
             return;
         };
         self.next += 1;
-        system.set("$MCDRD", Value::text(block));
+        system.set("$MCDRD", MacroValue::text(block));
         #[allow(clippy::cast_precision_loss)]
-        system.set("$MCDNO", Value::Real(self.next as f64));
+        system.set("$MCDNO", MacroValue::Real(self.next as f64));
     }
 
     /// SEARCH
@@ -217,8 +220,8 @@ impl NcProgram {
 }
 
 /// `$FCEPP`: whether the pre-processor has the setting.
-pub(crate) fn setting(state: &mut State, arguments: &[Value]) -> Value {
-    let texts: Vec<String> = arguments.iter().map_while(Value::as_text).map(str::to_uppercase).collect();
+pub(crate) fn setting(state: &mut MacroState, arguments: &[MacroValue]) -> MacroValue {
+    let texts: Vec<String> = arguments.iter().map_while(MacroValue::as_text).map(str::to_uppercase).collect();
     let two = texts.join(",");
     let known = SETTINGS.iter().any(|setting| {
         two == *setting
@@ -227,7 +230,7 @@ pub(crate) fn setting(state: &mut State, arguments: &[Value]) -> Value {
     });
     if !known {
         let message = format!("the pre-processor has no setting '{}'", texts.join(" "));
-        state.warn(Fault::new(Number::NO_SETTING, message));
+        state.warn(MacroFault::new(DiagnosticNumber::NO_SETTING, message));
     }
-    Value::Logical(known)
+    MacroValue::Logical(known)
 }

@@ -1,4 +1,4 @@
-//! A host without a machine: commands are kept as text, files live in memory unless it is given an [`Outside`].
+//! A host without a machine: commands are kept as text, files live in memory unless it is given an [`HostEnvironment`].
 //!
 //! *Invariant:* it answers every function of the language; without prepared data it answers as a control without a
 //! model, without a user and without an NC program.
@@ -10,22 +10,22 @@ mod variables;
 
 use std::collections::{BTreeMap, VecDeque};
 
-use counterpoint_lang::diag::{self, Number};
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::host::{AbsentFn, Environment, Host, HostFn, SystemVariable};
-use counterpoint_lang::source::Source;
-use counterpoint_lang::state::State;
-use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::diag::{self, DiagnosticNumber};
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::host::{AbsentFn, CompileEnvironment, HostFn, MacroHost, SystemVariable};
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::state::MacroState;
+use counterpoint_lang::value::{MacroValue, ValueType};
 
-use crate::answers::{Answer, Answers};
-use crate::files::Disk;
+use crate::answers::{Answers, PreparedAnswer};
+use crate::files::VirtualDisk;
 use crate::identifiers::{Identifiers, Spelling};
 use crate::model;
-use crate::output::Output;
-use crate::outside::Outside;
+use crate::output::MacroOutput;
+use crate::outside::HostEnvironment;
 use crate::program::{self, NcProgram};
 use crate::registers;
-use crate::tables::Tables;
+use crate::tables::ControlTables;
 use crate::variables::{Domain, SystemTable};
 
 /// A host without a machine. Any `CODE_…` and `REG_…` exists unless a list is given; system variables are those of its
@@ -33,20 +33,20 @@ use crate::variables::{Domain, SystemTable};
 #[derive(Debug, Default)]
 pub struct Standalone {
     /// The output of macros.
-    pub output: Output,
+    pub output: MacroOutput,
     /// Lines that the console gives.
     pub typed: VecDeque<String>,
     /// Files, in memory or outside.
-    pub disk: Disk,
+    pub disk: VirtualDisk,
     /// Settings by name.
     pub settings: BTreeMap<String, String>,
     /// The NC program and the current block.
     pub program: NcProgram,
-    pub(crate) outside: Option<Box<dyn Outside>>,
+    pub(crate) outside: Option<Box<dyn HostEnvironment>>,
     pub(crate) system: SystemTable,
-    pub(crate) globals: Vec<Value>,
+    pub(crate) globals: Vec<MacroValue>,
     pub(crate) identifiers: Identifiers,
-    pub(crate) tables: Tables,
+    pub(crate) tables: ControlTables,
     answers: Answers,
     reported_no_model: bool,
 }
@@ -57,15 +57,15 @@ impl Standalone {
     pub fn new() -> Self {
         let mut host = Self::bare();
         for (name, kind, writable) in [
-            ("$S", Some(Kind::Real), true),
-            ("$F", Some(Kind::Real), true),
-            ("$XM", Some(Kind::Real), false),
-            ("$YM", Some(Kind::Real), false),
-            ("$ZM", Some(Kind::Real), false),
-            ("$RAPID", Some(Kind::Logical), true),
-            ("$MCD", Some(Kind::Text), false),
-            ("$MCDRD", Some(Kind::Text), true),
-            ("$MCDNO", Some(Kind::Real), false),
+            ("$S", Some(ValueType::Real), true),
+            ("$F", Some(ValueType::Real), true),
+            ("$XM", Some(ValueType::Real), false),
+            ("$YM", Some(ValueType::Real), false),
+            ("$ZM", Some(ValueType::Real), false),
+            ("$RAPID", Some(ValueType::Logical), true),
+            ("$MCD", Some(ValueType::Text), false),
+            ("$MCDRD", Some(ValueType::Text), true),
+            ("$MCDNO", Some(ValueType::Real), false),
             ("$COOLNT", None, true),
         ] {
             host.variable(name, kind, writable);
@@ -84,19 +84,19 @@ impl Standalone {
     }
 
     /// Adds a single system variable that begins with the value of its type.
-    pub fn variable(&mut self, name: &str, kind: Option<Kind>, writable: bool) {
-        let initial = kind.map_or(Value::Null, Kind::initial);
+    pub fn variable(&mut self, name: &str, kind: Option<ValueType>, writable: bool) {
+        let initial = kind.map_or(MacroValue::Null, ValueType::initial);
         let variable = SystemVariable { name: name.to_owned(), kind, writable, indices: 0 };
         self.system.add(variable, initial, Domain::default());
     }
 
     /// Adds a system variable; every element of an indexed one begins with `initial`.
-    pub fn system_variable(&mut self, variable: SystemVariable, initial: Value, domain: Domain) {
+    pub fn system_variable(&mut self, variable: SystemVariable, initial: MacroValue, domain: Domain) {
         self.system.add(variable, initial, domain);
     }
 
     /// Gives a single system variable a value, read-only or not.
-    pub fn set_system(&mut self, name: &str, value: Value) {
+    pub fn set_system(&mut self, name: &str, value: MacroValue) {
         self.system.set(name, value);
     }
 
@@ -111,14 +111,14 @@ impl Standalone {
     }
 
     /// Sends lines outside and takes files from there.
-    pub fn attach(&mut self, outside: Box<dyn Outside>) {
+    pub fn attach(&mut self, outside: Box<dyn HostEnvironment>) {
         self.outside = Some(outside);
     }
 
     /// Puts a code or data of the control's tables on the current block; data become modal, too.
     pub fn put_on_block(&mut self, name: &str, value: f64) {
         let index = self.identifiers.index(name);
-        let item = if name.starts_with("CODE_") { Value::Code(index) } else { Value::Register(index) };
+        let item = if name.starts_with("CODE_") { MacroValue::Code(index) } else { MacroValue::Register(index) };
         self.program.block.put(item, value);
     }
 
@@ -139,20 +139,20 @@ impl Standalone {
     }
 
     /// Gives the answer to a dialog.
-    pub fn answer(&mut self, dialog: &str, answer: Answer) {
+    pub fn answer(&mut self, dialog: &str, answer: PreparedAnswer) {
         self.answers.add(dialog, answer);
     }
 
     /// Place of a global variable.
-    pub(crate) fn global_place(&mut self, index: usize) -> Option<&mut Value> {
+    pub(crate) fn global_place(&mut self, index: usize) -> Option<&mut MacroValue> {
         if self.globals.len() <= index {
-            self.globals.resize(index + 1, Value::Unset);
+            self.globals.resize(index + 1, MacroValue::Unset);
         }
         self.globals.get_mut(index)
     }
 
     /// `$FDIALOG`: the button of the answer that was given ahead; its values are set.
-    fn dialog(&mut self, arguments: &[Value]) -> Outcome<Value> {
+    fn dialog(&mut self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         let answer = self.answers.find(crate::text(arguments, 0))?;
         for (variable, value) in answer.values {
             match variable.strip_prefix("%G").and_then(|number| number.parse::<usize>().ok()) {
@@ -164,20 +164,20 @@ impl Standalone {
                 _ => self.system.set(&variable, value),
             }
         }
-        Ok(Value::text(answer.button))
+        Ok(MacroValue::text(answer.button))
     }
 
     /// Result of a function of a machine model; one message per run.
-    fn without_model(&mut self, state: &mut State, function: HostFn) -> Value {
+    fn without_model(&mut self, state: &mut MacroState, function: HostFn) -> MacroValue {
         if !std::mem::replace(&mut self.reported_no_model, true) {
             let message = format!("{} needs a machine model, and there is none here", function.name());
-            state.warn(Fault::new(Number::NO_MODEL, message));
+            state.warn(MacroFault::new(DiagnosticNumber::NO_MODEL, message));
         }
         model::nothing(function)
     }
 }
 
-impl Environment for Standalone {
+impl CompileEnvironment for Standalone {
     fn system(&self) -> &[SystemVariable] {
         self.system.rows()
     }
@@ -193,26 +193,26 @@ impl Environment for Standalone {
     fn foreign(&self, name: &str) -> Option<&'static str> {
         self.system.foreign.and_then(|product| product(name))
     }
-    fn include(&mut self, name: &str, from: &str) -> Option<Source> {
+    fn include(&mut self, name: &str, from: &str) -> Option<MacroSource> {
         let from = from.replace('\\', "/");
         let beside = from.rfind('/').and_then(|at| from.get(..=at)).map(|folder| format!("{folder}{name}"));
         let beside = beside.and_then(|path| self.load(&path).ok().map(|text| (path, text)));
         let found = beside.or_else(|| self.load(name).ok().map(|text| (name.to_owned(), text)));
-        found.map(|(path, text)| Source::new(path, text))
+        found.map(|(path, text)| MacroSource::new(path, text))
     }
 }
 
-impl Host for Standalone {
-    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+impl MacroHost for Standalone {
+    fn function(&mut self, state: &mut MacroState, function: HostFn, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         Ok(match function {
-            HostFn::EndOfProgram => Value::Logical(self.program.is_at_end()),
-            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::EndOfProgram => MacroValue::Logical(self.program.is_at_end()),
+            HostFn::MachineFrame => MacroValue::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             HostFn::Dialog => self.dialog(arguments)?,
             HostFn::File(of) => {
                 let program = self.system.text("$TAPEN");
                 self.with_files(|folder, shelf| folder.function(shelf, state, (of, arguments), &program))?
             }
-            HostFn::Absent(AbsentFn::Pause | AbsentFn::Apply) => Value::Logical(false),
+            HostFn::Absent(AbsentFn::Pause | AbsentFn::Apply) => MacroValue::Logical(false),
             HostFn::Absent(AbsentFn::Document) => model::out_of_scope(state, function),
             HostFn::DiagnosticSeverity => self.tables.severity(arguments)?,
             HostFn::DiagnosticState => self.tables.switched(arguments),
@@ -226,7 +226,7 @@ impl Host for Standalone {
             HostFn::SeekItem => self.program.block.seek(arguments, false)?,
             HostFn::ActiveCode => self.program.block.active(arguments, false),
             HostFn::SetActiveCode => self.program.block.active(arguments, true),
-            HostFn::DataAsCode | HostFn::Restart => Value::Logical(true),
+            HostFn::DataAsCode | HostFn::Restart => MacroValue::Logical(true),
             HostFn::NcVariable => self.program.variable(arguments),
             HostFn::SetNcVariable => self.program.set_variable(arguments),
             HostFn::PreProcessorSetting => program::setting(state, arguments),
@@ -234,7 +234,7 @@ impl Host for Standalone {
             HostFn::SearchBackward => self.program.search(&mut self.system, state, arguments, false)?,
             HostFn::ForwardKinematics => model::kinematics(&self.system, arguments, false)?,
             HostFn::InverseKinematics => model::kinematics(&self.system, arguments, true)?,
-            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => Value::Real(1.0),
+            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => MacroValue::Real(1.0),
             _ => self.without_model(state, function),
         })
     }
@@ -244,7 +244,7 @@ impl Host for Standalone {
     }
 
     fn setting(&self, definition: bool, name: &str) -> Option<String> {
-        let variable = || self.system.value(name).and_then(Value::as_text).map(str::to_owned);
+        let variable = || self.system.value(name).and_then(MacroValue::as_text).map(str::to_owned);
         let own = || self.settings.get(name).cloned().or_else(variable);
         match &self.outside {
             Some(outside) if !definition => own().or_else(|| outside.environment(name)),

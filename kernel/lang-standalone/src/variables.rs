@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::host::SystemVariable;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 /// Elements of indexed system variables that are kept.
 const MOST_ELEMENTS: usize = 1_000_000;
@@ -26,8 +26,8 @@ pub struct Domain {
 pub(crate) struct SystemTable {
     rows: Vec<SystemVariable>,
     domains: Vec<Domain>,
-    values: Vec<Value>,
-    elements: HashMap<(u32, Vec<i64>), Value>,
+    values: Vec<MacroValue>,
+    elements: HashMap<(u32, Vec<i64>), MacroValue>,
     /// Position of `$DATE`, which is always now.
     date: Option<u32>,
     pub(crate) foreign: Option<fn(&str) -> Option<&'static str>>,
@@ -38,7 +38,7 @@ impl SystemTable {
         &self.rows
     }
 
-    pub(crate) fn add(&mut self, variable: SystemVariable, initial: Value, domain: Domain) {
+    pub(crate) fn add(&mut self, variable: SystemVariable, initial: MacroValue, domain: Domain) {
         if variable.name == "$DATE" {
             self.date = u32::try_from(self.rows.len()).ok();
         }
@@ -47,19 +47,19 @@ impl SystemTable {
         self.values.push(initial);
     }
 
-    pub(crate) fn value(&self, name: &str) -> Option<&Value> {
+    pub(crate) fn value(&self, name: &str) -> Option<&MacroValue> {
         self.values.get(self.rows.iter().position(|variable| variable.name == name)?)
     }
 
     pub(crate) fn text(&self, name: &str) -> String {
-        self.value(name).and_then(Value::as_text).unwrap_or("").to_owned()
+        self.value(name).and_then(MacroValue::as_text).unwrap_or("").to_owned()
     }
 
     pub(crate) fn number(&self, name: &str) -> f64 {
-        self.value(name).and_then(Value::as_real).unwrap_or(0.0)
+        self.value(name).and_then(MacroValue::as_real).unwrap_or(0.0)
     }
 
-    pub(crate) fn set(&mut self, name: &str, value: Value) {
+    pub(crate) fn set(&mut self, name: &str, value: MacroValue) {
         let at = self.rows.iter().position(|variable| variable.name == name);
         if let Some(place) = at.and_then(|at| self.values.get_mut(at)) {
             *place = value;
@@ -77,38 +77,38 @@ impl SystemTable {
             if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {
                 let most = most.map_or_else(|| "no limit".to_owned(), |most| most.to_string());
                 let message = format!("the index {given} of {} is not in 1 to {most}", self.name(index));
-                return Err(Fault::new(Number::OUT_OF_RANGE, message));
+                return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, message));
             }
         }
         Ok(())
     }
 
-    pub(crate) fn read(&self, index: u32, indices: &[i64]) -> Outcome<Value> {
+    pub(crate) fn read(&self, index: u32, indices: &[i64]) -> Outcome<MacroValue> {
         self.check_indices(index, indices)?;
         let element = if indices.is_empty() { None } else { self.elements.get(&(index, indices.to_vec())) };
-        Ok(element.or_else(|| self.values.get(index as usize)).cloned().unwrap_or(Value::Null))
+        Ok(element.or_else(|| self.values.get(index as usize)).cloned().unwrap_or(MacroValue::Null))
     }
 
-    pub(crate) fn write(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+    pub(crate) fn write(&mut self, index: u32, indices: &[i64], value: MacroValue) -> Outcome<()> {
         let kind = self.rows.get(index as usize).and_then(|variable| variable.kind);
         let domain = self.domains.get(index as usize);
         let (range, nullable) = domain.map_or((None, false), |domain| (domain.values, domain.nullable));
         let value = match (kind, value) {
-            (Some(kind), Value::Unset) => kind.initial(),
-            (_, Value::Null) if nullable => Value::Null,
-            (Some(kind), value) if value.kind() != Some(kind) => return Err(Fault::kind(kind.name(), &value)),
+            (Some(kind), MacroValue::Unset) => kind.initial(),
+            (_, MacroValue::Null) if nullable => MacroValue::Null,
+            (Some(kind), value) if value.kind() != Some(kind) => return Err(MacroFault::kind(kind.name(), &value)),
             (_, value) => value,
         };
         self.check_indices(index, indices)?;
-        if let (Some((low, high)), Value::Real(number)) = (range, &value)
+        if let (Some((low, high)), MacroValue::Real(number)) = (range, &value)
             && !(low..=high).contains(number)
         {
             let message = format!("{} takes numbers from {low} to {high}, not {number}", self.name(index));
-            return Err(Fault::new(Number::BAD_VALUE, message));
+            return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, message));
         }
         if !indices.is_empty() {
             if self.elements.len() >= MOST_ELEMENTS {
-                return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
+                return Err(MacroFault::new(DiagnosticNumber::SIZE, "there are too many elements of system variables"));
             }
             self.elements.insert((index, indices.to_vec()), value);
         } else if let Some(place) = self.values.get_mut(index as usize) {
@@ -123,7 +123,7 @@ impl SystemTable {
     }
 
     /// Every value.
-    pub(crate) fn all(&self) -> impl Iterator<Item = &Value> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &MacroValue> {
         self.values.iter().chain(self.elements.values())
     }
 }

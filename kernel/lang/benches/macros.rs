@@ -2,10 +2,10 @@
 
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::source::Source;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, MacroProgram};
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{self, MacroLimits, MacroState};
 use counterpoint_lang_standalone::Standalone;
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -66,14 +66,14 @@ const LOOPS: [(&str, &str); 22] = [
 
 fn loops(criterion: &mut Criterion) {
     for (name, text) in LOOPS {
-        let (mut program, mut host) = (Program::new(), Standalone::new());
-        let added = compile::add(&mut program, &mut host, Source::new(name, text), Options::default());
+        let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+        let added = compile::add(&mut program, &mut host, MacroSource::new(name, text), CompileOptions::default());
         assert!(!added.has_errors(), "{:?}", added.diagnostics);
-        let mut state = State::new(Limits { ticks: u64::MAX, ..Limits::default() });
+        let mut state = MacroState::new(MacroLimits { ticks: u64::MAX, ..MacroLimits::default() });
         let index = *added.macros.last().unwrap();
         criterion.bench_function(name, |bencher| {
             bencher.iter(|| {
-                let mut arguments = [Value::Real(0.0), Value::Real(2.0), Value::Logical(true)];
+                let mut arguments = [MacroValue::Real(0.0), MacroValue::Real(2.0), MacroValue::Logical(true)];
                 vm::run(&program, &mut state, &mut host, index, &mut arguments)
             });
         });

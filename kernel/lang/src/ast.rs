@@ -5,7 +5,7 @@
 
 use crate::lex::Sign;
 use crate::source::Span;
-use crate::value::{Kind, Record};
+use crate::value::{RecordName, ValueType};
 
 /// Deepest expression.
 pub const MAX_DEPTH: u32 = 200;
@@ -14,7 +14,7 @@ pub const MAX_BLOCKS: usize = 100;
 
 /// A variable by its way of being named.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Variable {
+pub enum VariableName {
     /// User variable, upper case.
     User(String),
     /// `%Gnn`
@@ -52,17 +52,17 @@ pub enum ExprKind {
     /// Minor word.
     Keyword(i32),
     /// Major word or record.
-    Record(Record),
+    Record(RecordName),
     /// `CODE_…`
     Code(String),
     /// `REG_…`
     Register(String),
     /// Value of a variable.
-    Variable(Variable),
+    Variable(VariableName),
     /// `v(i,…)`, or a call of a user function.
-    Element(Variable, Vec<Expr>),
+    Element(VariableName, Vec<Expr>),
     /// `v(i:j)`
-    Range(Variable, Option<Box<Expr>>, Option<Box<Expr>>),
+    Range(VariableName, Option<Box<Expr>>, Option<Box<Expr>>),
     /// `{…}`
     Sequence(Vec<Expr>),
     /// `$F…(…)`
@@ -75,7 +75,7 @@ pub enum ExprKind {
 
 /// Life of a declared variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Scope {
+pub enum MacroVariableScope {
     /// One activation of the macro.
     Local,
     /// All macros of the same object.
@@ -86,7 +86,7 @@ pub enum Scope {
 
 /// One name of a DECLAR.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Declared {
+pub struct DeclaredName {
     /// Name, upper case.
     pub name: String,
     /// Sizes of an array.
@@ -99,7 +99,7 @@ pub struct Declared {
 
 /// Blocks that need an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Block {
+pub enum CompoundStatement {
     /// IF
     If,
     /// CASE
@@ -114,7 +114,7 @@ pub enum Block {
 
 /// One item of a WHEN list.
 #[derive(Clone, Debug, PartialEq)]
-pub enum When {
+pub enum WhenItem {
     /// A constant.
     One(Expr),
     /// `a,THRU,b`
@@ -123,13 +123,13 @@ pub enum When {
 
 /// Header of a user function.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Header {
+pub struct FunctionHeader {
     /// Name, upper case.
     pub name: String,
     /// Type of the result.
-    pub result: Option<Kind>,
+    pub result: Option<ValueType>,
     /// Parameters.
-    pub parameters: Vec<(String, Option<Kind>)>,
+    pub parameters: Vec<(String, Option<ValueType>)>,
     /// Place of the name.
     pub span: Span,
 }
@@ -151,13 +151,13 @@ pub enum StatementKind {
     /// DECLAR
     Declare {
         /// Life.
-        scope: Scope,
+        scope: MacroVariableScope,
         /// Type of all names.
-        kind: Option<Kind>,
+        kind: Option<ValueType>,
         /// Hidden channel dimension.
         channel: bool,
         /// Names.
-        names: Vec<Declared>,
+        names: Vec<DeclaredName>,
     },
     /// IF
     If(Expr),
@@ -168,7 +168,7 @@ pub enum StatementKind {
     /// CASE
     Case(Expr),
     /// WHEN list; empty = OTHERS
-    When(Vec<When>),
+    When(Vec<WhenItem>),
     /// WHILE
     While(Expr),
     /// REPEAT
@@ -187,7 +187,7 @@ pub enum StatementKind {
         step: Option<Expr>,
     },
     /// ENDOF
-    EndOf(Block),
+    EndOf(CompoundStatement),
     /// EXIT
     Exit(u32),
     /// JUMPTO
@@ -245,7 +245,7 @@ pub enum StatementKind {
 
 /// A statement with its place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Statement {
+pub struct MacroStatement {
     /// Label, upper case.
     pub label: Option<(String, Span)>,
     /// Its effect.
@@ -256,11 +256,11 @@ pub struct Statement {
 
 /// A macro: a user function if it has a header.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Macro {
+pub struct ParsedMacro {
     /// Header of a function.
-    pub header: Option<Header>,
+    pub header: Option<FunctionHeader>,
     /// Statements.
-    pub statements: Vec<Statement>,
+    pub statements: Vec<MacroStatement>,
     /// Place of the first statement.
     pub span: Span,
 }

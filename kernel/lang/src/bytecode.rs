@@ -6,9 +6,9 @@
 pub mod body;
 pub mod fast;
 
-use crate::func::Function;
-use crate::source::{Source, Span};
-use crate::value::{Kind, Value};
+use crate::func::BuiltInFunction;
+use crate::source::{MacroSource, Span};
+use crate::value::{MacroValue, ValueType};
 use std::sync::Arc;
 
 /// A register of a frame.
@@ -88,7 +88,7 @@ pub enum CommandCode {
 
 /// Variables that the machine itself knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Own {
+pub enum BuiltInVariable {
     /// `$ERRNO`
     Status,
     /// `$MNEST`
@@ -99,10 +99,10 @@ pub enum Own {
     Channels,
 }
 
-/// One instruction. `list` is a position in [`Code::lists`].
+/// One instruction. `list` is a position in [`CompiledMacro::lists`].
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs, reason = "the operands are named the same way throughout: destination, operands, list, target")]
-pub enum Op {
+pub enum Instruction {
     Move {
         to: Slot,
         a: Slot,
@@ -110,7 +110,7 @@ pub enum Op {
     Typed {
         to: Slot,
         a: Slot,
-        kind: Kind,
+        kind: ValueType,
     },
     Add {
         to: Slot,
@@ -274,7 +274,7 @@ pub enum Op {
     },
     ReadOwn {
         to: Slot,
-        own: Own,
+        own: BuiltInVariable,
     },
     Declare {
         to: Slot,
@@ -316,9 +316,9 @@ pub enum Op {
 
 /// A declaration executed at run time.
 #[derive(Clone, Debug)]
-pub struct Declaration {
+pub struct RuntimeDeclaration {
     /// Type.
-    pub kind: Option<Kind>,
+    pub kind: Option<ValueType>,
     /// Registers of the sizes.
     pub sizes: Vec<Slot>,
     /// With the hidden channel dimension.
@@ -329,7 +329,7 @@ pub struct Declaration {
 
 /// Where a shared variable lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shared {
+pub enum SharedVariable {
     /// In the object's store.
     Object(u32),
     /// In the host's store.
@@ -338,7 +338,7 @@ pub enum Shared {
 
 /// Short forms of a macro.
 #[derive(Clone, Debug, Default)]
-pub struct Short {
+pub struct ShortForms {
     /// One for each instruction.
     pub forms: Vec<fast::Fast>,
     /// Small functions that they execute in place of a call.
@@ -347,11 +347,11 @@ pub struct Short {
 
 /// Registers of a macro.
 #[derive(Clone, Debug, Default)]
-pub struct Registers {
+pub struct RegisterLayout {
     /// How many there are.
     pub count: usize,
     /// Those that hold constants.
-    pub constants: Vec<(Slot, Value)>,
+    pub constants: Vec<(Slot, MacroValue)>,
     /// Those cleared at entry.
     pub locals: Vec<Slot>,
 }
@@ -364,57 +364,57 @@ pub struct Signature {
     /// Registers of `$P` arguments.
     pub arguments: Vec<(u8, Slot)>,
     /// Registers and types of the parameters of a function.
-    pub parameters: Vec<(Slot, Option<Kind>)>,
+    pub parameters: Vec<(Slot, Option<ValueType>)>,
     /// Register and type of the result of a function.
-    pub result: Option<(Slot, Option<Kind>)>,
+    pub result: Option<(Slot, Option<ValueType>)>,
 }
 
 /// Compiled macro.
 #[derive(Clone, Debug)]
-pub struct Code {
+pub struct CompiledMacro {
     /// Name shown in diagnostics and traces.
     pub name: String,
     /// Its file.
-    pub source: Arc<Source>,
+    pub source: Arc<MacroSource>,
     /// Instructions.
-    pub ops: Vec<Op>,
+    pub ops: Vec<Instruction>,
     /// Short forms.
-    pub short: Short,
+    pub short: ShortForms,
     /// Place of the statement of each instruction.
     pub places: Vec<Span>,
     /// Registers.
-    pub registers: Registers,
+    pub registers: RegisterLayout,
     /// Arguments, parameters and result.
     pub signature: Signature,
     /// Register lists.
     pub lists: Vec<Vec<Slot>>,
     /// Declarations.
-    pub declarations: Vec<Declaration>,
+    pub declarations: Vec<RuntimeDeclaration>,
     /// Shared variables used.
-    pub shared: Vec<(Shared, Option<Kind>)>,
+    pub shared: Vec<(SharedVariable, Option<ValueType>)>,
     /// Home of each of them: the register that holds it while short forms run.
     pub homes: Vec<Slot>,
     /// Functions used.
-    pub functions: Vec<&'static Function>,
+    pub functions: Vec<&'static BuiltInFunction>,
     /// Statements in standard style, for the trace.
     pub statements: Vec<String>,
 }
 
-impl Code {
+impl CompiledMacro {
     /// Whether it reads a system variable.
     #[must_use]
     pub fn reads(&self, variable: u16) -> bool {
-        self.ops.iter().any(|op| matches!(op, Op::ReadSystem { system, .. } if *system == variable))
+        self.ops.iter().any(|op| matches!(op, Instruction::ReadSystem { system, .. } if *system == variable))
     }
 
-    pub(crate) fn empty(source: &Arc<Source>) -> Code {
-        Code {
+    pub(crate) fn empty(source: &Arc<MacroSource>) -> CompiledMacro {
+        CompiledMacro {
             name: String::new(),
             source: Arc::clone(source),
             ops: Vec::new(),
-            short: Short::default(),
+            short: ShortForms::default(),
             places: Vec::new(),
-            registers: Registers::default(),
+            registers: RegisterLayout::default(),
             signature: Signature::default(),
             lists: Vec::new(),
             declarations: Vec::new(),

@@ -16,17 +16,17 @@ mod register;
 mod statement;
 mod traced;
 
-pub use crate::program::{Options, Place, Program, Strong};
+pub use crate::program::{CompileOptions, DeclarationStrictness, MacroProgram, MacroRole};
 pub use traced::traced;
 
-use crate::ast::{Macro, StatementKind};
-use crate::bytecode::{Code, CommandCode, Declaration, MAX_CODE, Op, Shared, Slot};
-use crate::diag::{Diagnostic, Number};
-use crate::host::Environment;
+use crate::ast::{ParsedMacro, StatementKind};
+use crate::bytecode::{CommandCode, CompiledMacro, Instruction, MAX_CODE, RuntimeDeclaration, SharedVariable, Slot};
+use crate::diag::{DiagnosticNumber, MacroDiagnostic};
+use crate::host::CompileEnvironment;
 use crate::layout::standard_line;
 use crate::parse::{self, MAX_DIAGNOSTICS};
-use crate::source::{Source, Span};
-use crate::value::{Kind, Value};
+use crate::source::{MacroSource, Span};
+use crate::value::{MacroValue, ValueType};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
@@ -36,25 +36,35 @@ pub struct Added {
     /// Macros without a header, by index, in order.
     pub macros: Vec<u16>,
     /// Everything found, in order of place.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Vec<MacroDiagnostic>,
 }
 
 impl Added {
     /// Tells whether nothing of the source may run.
     #[must_use]
     pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(Diagnostic::is_error)
+        self.diagnostics.iter().any(MacroDiagnostic::is_error)
     }
 }
 
 /// Compiles a source into `program`.
-pub fn add(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
+pub fn add(
+    program: &mut MacroProgram,
+    environment: &mut dyn CompileEnvironment,
+    source: MacroSource,
+    options: CompileOptions,
+) -> Added {
     let source = Arc::new(source);
     program.sources.push((Arc::clone(&source), options));
     extend(program, environment, source, options)
 }
 
-fn extend(program: &mut Program, environment: &mut dyn Environment, source: Arc<Source>, options: Options) -> Added {
+fn extend(
+    program: &mut MacroProgram,
+    environment: &mut dyn CompileEnvironment,
+    source: Arc<MacroSource>,
+    options: CompileOptions,
+) -> Added {
     let mut added = Added::default();
     let first = program.macros.len();
     load(program, environment, &source, options, &mut added, 0);
@@ -63,19 +73,24 @@ fn extend(program: &mut Program, environment: &mut dyn Environment, source: Arc<
     if added.diagnostics.len() > MAX_DIAGNOSTICS {
         added.diagnostics.truncate(MAX_DIAGNOSTICS);
         let message = format!("only the first {MAX_DIAGNOSTICS} diagnostics are listed");
-        added.diagnostics.push(Diagnostic::new(&source, Span::default(), Number::TOO_MANY, message));
+        added.diagnostics.push(MacroDiagnostic::new(&source, Span::default(), DiagnosticNumber::TOO_MANY, message));
     }
     added
 }
 
 /// Compiles embedded macro code: an expression, or statements.
-pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
+pub fn embedded(
+    program: &mut MacroProgram,
+    environment: &mut dyn CompileEnvironment,
+    source: MacroSource,
+    options: CompileOptions,
+) -> Added {
     match parse::expression(&source) {
         Some(_) => {
             let text = format!("%EMBEDDED={}", source.text.trim_end());
             let header = format!("MACRO/%EMBEDDED()\n{text}\nENDMAC");
             program.functions.remove("EMBEDDED");
-            let mut added = extend(program, environment, Arc::new(Source::new(source.name, header)), options);
+            let mut added = extend(program, environment, Arc::new(MacroSource::new(source.name, header)), options);
             added.macros.extend(program.function("EMBEDDED"));
             added
         }
@@ -84,10 +99,10 @@ pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source
 }
 
 fn load(
-    program: &mut Program,
-    environment: &mut dyn Environment,
-    source: &Arc<Source>,
-    options: Options,
+    program: &mut MacroProgram,
+    environment: &mut dyn CompileEnvironment,
+    source: &Arc<MacroSource>,
+    options: CompileOptions,
     added: &mut Added,
     depth: usize,
 ) {
@@ -97,7 +112,12 @@ fn load(
         if let StatementKind::Include(name) = &statement.kind {
             if register::restricted(options) && depth == 0 {
                 let message = "under strong declaration INCLUD is allowed in the declaration macro only";
-                added.diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
+                added.diagnostics.push(MacroDiagnostic::new(
+                    source,
+                    statement.span,
+                    DiagnosticNumber::UNDECLARED,
+                    message,
+                ));
             }
             include(program, environment, source, (name, statement.span), options, added, depth);
         }
@@ -110,7 +130,7 @@ fn load(
     for (one, index) in macros.iter().zip(indices) {
         let before = added.diagnostics.len();
         let code = MacroCompiler::new(program, environment, source, options, &mut added.diagnostics).compile(one);
-        let good = !added.diagnostics.get(before..).is_some_and(|new| new.iter().any(Diagnostic::is_error));
+        let good = !added.diagnostics.get(before..).is_some_and(|new| new.iter().any(MacroDiagnostic::is_error));
         if let (true, Some(place)) = (good, program.macros.get_mut(usize::from(index))) {
             *place = Arc::new(code);
         }
@@ -121,16 +141,18 @@ fn load(
 }
 
 fn include(
-    program: &mut Program,
-    environment: &mut dyn Environment,
-    source: &Arc<Source>,
+    program: &mut MacroProgram,
+    environment: &mut dyn CompileEnvironment,
+    source: &Arc<MacroSource>,
     (name, span): (&String, Span),
-    options: Options,
+    options: CompileOptions,
     added: &mut Added,
     depth: usize,
 ) {
-    let options =
-        Options { place: if options.place == Place::Any { Place::Library } else { options.place }, ..options };
+    let options = CompileOptions {
+        place: if options.place == MacroRole::Any { MacroRole::Library } else { options.place },
+        ..options
+    };
     if program.included.iter().any(|(known, _)| known == name) {
         return;
     }
@@ -138,7 +160,7 @@ fn include(
     program.included.push((name.clone(), None));
     if depth >= 20 {
         let message = "files are included more than 20 levels deep";
-        added.diagnostics.push(Diagnostic::new(source, span, Number::TOO_DEEP, message));
+        added.diagnostics.push(MacroDiagnostic::new(source, span, DiagnosticNumber::TOO_DEEP, message));
         return;
     }
     match environment.include(name, &source.name) {
@@ -151,16 +173,16 @@ fn include(
         }
         None => {
             let message = format!("the file '{name}' cannot be read");
-            added.diagnostics.push(Diagnostic::new(source, span, Number::NO_FILE, message));
+            added.diagnostics.push(MacroDiagnostic::new(source, span, DiagnosticNumber::NO_FILE, message));
         }
     }
 }
 
 /// A local name.
 #[derive(Clone, Debug)]
-struct Local {
+struct LocalSymbol {
     slot: Slot,
-    kind: Option<Kind>,
+    kind: Option<ValueType>,
     indices: usize,
     channel: bool,
     /// Must be declared, and where it first is.
@@ -172,19 +194,19 @@ struct Local {
 
 /// Compiles one macro.
 struct MacroCompiler<'a> {
-    program: &'a Program,
-    environment: &'a mut dyn Environment,
-    source: &'a Arc<Source>,
-    options: Options,
-    diagnostics: &'a mut Vec<Diagnostic>,
-    code: Code,
-    locals: FxHashMap<String, Local>,
+    program: &'a MacroProgram,
+    environment: &'a mut dyn CompileEnvironment,
+    source: &'a Arc<MacroSource>,
+    options: CompileOptions,
+    diagnostics: &'a mut Vec<MacroDiagnostic>,
+    code: CompiledMacro,
+    locals: FxHashMap<String, LocalSymbol>,
     /// Names that the macro assigns somewhere: a loop may read them before the line that does.
     assigned: FxHashSet<String>,
     temporaries: Vec<Slot>,
     used: usize,
     place: Span,
-    blocks: Vec<flow::Open>,
+    blocks: Vec<flow::OpenBlock>,
     labels: FxHashMap<String, usize>,
     jumps: Vec<(usize, String, Span)>,
     /// The macro issues blocks or codes, to which MATCH matters.
@@ -192,7 +214,7 @@ struct MacroCompiler<'a> {
 }
 
 /// Whether a macro issues blocks or codes.
-fn issues(one: &Macro) -> bool {
+fn issues(one: &ParsedMacro) -> bool {
     let issue = |kind: &StatementKind| {
         matches!(kind, StatementKind::Output | StatementKind::Exec(..) | StatementKind::TapeWrite)
     };
@@ -201,11 +223,11 @@ fn issues(one: &Macro) -> bool {
 
 impl<'a> MacroCompiler<'a> {
     fn new(
-        program: &'a Program,
-        environment: &'a mut dyn Environment,
-        source: &'a Arc<Source>,
-        options: Options,
-        diagnostics: &'a mut Vec<Diagnostic>,
+        program: &'a MacroProgram,
+        environment: &'a mut dyn CompileEnvironment,
+        source: &'a Arc<MacroSource>,
+        options: CompileOptions,
+        diagnostics: &'a mut Vec<MacroDiagnostic>,
     ) -> MacroCompiler<'a> {
         MacroCompiler {
             program,
@@ -213,7 +235,7 @@ impl<'a> MacroCompiler<'a> {
             source,
             options,
             diagnostics,
-            code: Code::empty(source),
+            code: CompiledMacro::empty(source),
             locals: FxHashMap::default(),
             assigned: FxHashSet::default(),
             temporaries: Vec::new(),
@@ -226,7 +248,7 @@ impl<'a> MacroCompiler<'a> {
         }
     }
 
-    fn compile(mut self, one: &Macro) -> Code {
+    fn compile(mut self, one: &ParsedMacro) -> CompiledMacro {
         self.code.name = self.source.name.clone();
         self.place = one.span;
         self.declare_locals(one);
@@ -247,11 +269,11 @@ impl<'a> MacroCompiler<'a> {
         if one.statements.last().is_none_or(|last| last.kind != StatementKind::EndMacro) {
             self.trace_text("ENDMAC".to_owned());
         }
-        self.emit(Op::Return);
+        self.emit(Instruction::Return);
         self.finish_jumps();
         self.warn_uninitialised();
         if self.code.ops.len() > MAX_CODE || self.code.registers.count > MAX_CODE {
-            self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
+            self.error(one.span, DiagnosticNumber::TOO_LARGE, "this macro is too large; split it into functions");
         }
         // With a trace every jump takes the long form, whose cost excludes the trace instructions.
         if self.code.statements.is_empty() {
@@ -260,7 +282,7 @@ impl<'a> MacroCompiler<'a> {
         self.code
     }
 
-    fn header(&mut self, header: &crate::ast::Header) {
+    fn header(&mut self, header: &crate::ast::FunctionHeader) {
         self.code.name.clone_from(&header.name);
         self.code.signature.is_function = true;
         let cleared = self.code.registers.locals.len();
@@ -280,15 +302,15 @@ impl<'a> MacroCompiler<'a> {
         self.code.registers.locals.truncate(cleared);
     }
 
-    fn error(&mut self, span: Span, number: Number, message: impl Into<String>) {
+    fn error(&mut self, span: Span, number: DiagnosticNumber, message: impl Into<String>) {
         self.error_with(span, number, message, None);
     }
 
-    fn error_with(&mut self, span: Span, number: Number, message: impl Into<String>, help: Option<String>) {
-        self.diagnostics.push(Diagnostic::new(self.source, span, number, message).help(help));
+    fn error_with(&mut self, span: Span, number: DiagnosticNumber, message: impl Into<String>, help: Option<String>) {
+        self.diagnostics.push(MacroDiagnostic::new(self.source, span, number, message).help(help));
     }
 
-    fn emit(&mut self, op: Op) -> usize {
+    fn emit(&mut self, op: Instruction) -> usize {
         self.code.ops.push(op);
         self.code.places.push(self.place);
         self.code.ops.len() - 1
@@ -313,13 +335,20 @@ impl<'a> MacroCompiler<'a> {
         slot
     }
 
-    fn constant(&mut self, value: Value) -> Slot {
-        if matches!(value, Value::Real(_) | Value::Logical(_) | Value::Null | Value::Keyword(_) | Value::Text(_)) {
-            let same = |other: &Value| {
+    fn constant(&mut self, value: MacroValue) -> Slot {
+        if matches!(
+            value,
+            MacroValue::Real(_)
+                | MacroValue::Logical(_)
+                | MacroValue::Null
+                | MacroValue::Keyword(_)
+                | MacroValue::Text(_)
+        ) {
+            let same = |other: &MacroValue| {
                 other.kind() == value.kind()
                     && match (other, &value) {
-                        (Value::Text(a), Value::Text(b)) => a == b,
-                        (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),
+                        (MacroValue::Text(a), MacroValue::Text(b)) => a == b,
+                        (MacroValue::Real(a), MacroValue::Real(b)) => a.to_bits() == b.to_bits(),
                         _ => other.equals(&value) == Some(true),
                     }
             };
@@ -347,12 +376,12 @@ impl<'a> MacroCompiler<'a> {
         u16::try_from(self.code.lists.len() - 1).unwrap_or(u16::MAX)
     }
 
-    fn declaration(&mut self, declaration: Declaration) -> u16 {
+    fn declaration(&mut self, declaration: RuntimeDeclaration) -> u16 {
         self.code.declarations.push(declaration);
         u16::try_from(self.code.declarations.len() - 1).unwrap_or(u16::MAX)
     }
 
-    fn shared(&mut self, shared: Shared, kind: Option<Kind>) -> u16 {
+    fn shared(&mut self, shared: SharedVariable, kind: Option<ValueType>) -> u16 {
         let known = self.code.shared.iter().position(|(other, _)| *other == shared);
         let position = known.unwrap_or_else(|| {
             self.code.shared.push((shared, kind));
@@ -375,6 +404,6 @@ impl<'a> MacroCompiler<'a> {
         }
         self.code.statements.push(text);
         let statement = u16::try_from(self.code.statements.len() - 1).unwrap_or(u16::MAX);
-        self.emit(Op::Trace { statement });
+        self.emit(Instruction::Trace { statement });
     }
 }

@@ -1,15 +1,15 @@
 //! Diagnostics of the language: rendering with the source line and a caret.
 
-pub use counterpoint_fault::language::{Number, Row, TABLE};
+pub use counterpoint_fault::language::{DiagnosticNumber, LanguageDiagnostic, TABLE};
 
-use crate::source::{Source, Span};
+use crate::source::{MacroSource, Span};
 use std::fmt;
 
 /// One diagnostic with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Diagnostic {
+pub struct MacroDiagnostic {
     /// Stable number.
-    pub number: Number,
+    pub number: DiagnosticNumber,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
     /// The error, one sentence.
@@ -34,14 +34,19 @@ pub struct Diagnostic {
     pub statement: Option<String>,
 }
 
-impl Diagnostic {
+impl MacroDiagnostic {
     /// A diagnostic of `span` in `source`.
     #[must_use]
-    pub fn new(source: &Source, span: Span, number: Number, message: impl Into<String>) -> Diagnostic {
+    pub fn new(
+        source: &MacroSource,
+        span: Span,
+        number: DiagnosticNumber,
+        message: impl Into<String>,
+    ) -> MacroDiagnostic {
         let (line, column) = source.place(span.start);
         let source_line = source.line_text(line).to_owned();
         let marked = source.slice(span).lines().next().map_or(0, |text| text.chars().count());
-        Diagnostic {
+        MacroDiagnostic {
             number,
             severity: number.severity(),
             message: message.into(),
@@ -59,7 +64,7 @@ impl Diagnostic {
 
     /// Adds a near miss or another way out.
     #[must_use]
-    pub fn help(mut self, help: Option<String>) -> Diagnostic {
+    pub fn help(mut self, help: Option<String>) -> MacroDiagnostic {
         self.help = help;
         self
     }
@@ -88,7 +93,7 @@ pub fn word(severity: u8) -> &'static str {
     }
 }
 
-impl fmt::Display for Diagnostic {
+impl fmt::Display for MacroDiagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} {}: {}", self.word(), self.number, self.message)?;
         let name = self.macro_name.as_ref().map(|name| format!(" in {name}")).unwrap_or_default();
@@ -112,9 +117,10 @@ mod tests {
 
     #[test]
     fn rendered_with_a_caret() {
-        let source = Source::new("park.mac", "A=1\nB=$XX+1");
-        let diagnostic = Diagnostic::new(&source, Span { start: 6, end: 9 }, Number::UNKNOWN_VARIABLE, "no $XX")
-            .help(Some("did you mean $XM?".into()));
+        let source = MacroSource::new("park.mac", "A=1\nB=$XX+1");
+        let diagnostic =
+            MacroDiagnostic::new(&source, Span { start: 6, end: 9 }, DiagnosticNumber::UNKNOWN_VARIABLE, "no $XX")
+                .help(Some("did you mean $XM?".into()));
         assert_eq!(
             diagnostic.to_string(),
             "Error 02910020: no $XX\n  --> park.mac:2:3\n    2 | B=$XX+1\n      |   ^^^\n      = did you mean $XM?\n"

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 /// A row of the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct ExplainEntry {
     /// Name: `$FSIN`, `DECLAR`; `=` for the assignment.
     pub name: &'static str,
     /// How it is written.
@@ -23,13 +23,13 @@ fn rows(table: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
 }
 
 /// The functions.
-pub fn functions() -> &'static [Entry] {
-    static ROWS: OnceLock<Vec<Entry>> = OnceLock::new();
+pub fn functions() -> &'static [ExplainEntry] {
+    static ROWS: OnceLock<Vec<ExplainEntry>> = OnceLock::new();
     ROWS.get_or_init(|| {
         let entry = |row: Vec<&'static str>| match row.as_slice() {
             [form, result, about] => {
                 let name = form.split_once('(').map_or(*form, |(name, _)| name);
-                Some(Entry { name, form, result: Some(result), about })
+                Some(ExplainEntry { name, form, result: Some(result), about })
             }
             _ => None,
         };
@@ -38,11 +38,11 @@ pub fn functions() -> &'static [Entry] {
 }
 
 /// The statements.
-pub fn statements() -> &'static [Entry] {
-    static ROWS: OnceLock<Vec<Entry>> = OnceLock::new();
+pub fn statements() -> &'static [ExplainEntry] {
+    static ROWS: OnceLock<Vec<ExplainEntry>> = OnceLock::new();
     ROWS.get_or_init(|| {
         let entry = |row: Vec<&'static str>| match row.as_slice() {
-            [name, form, about] => Some(Entry { name, form, result: None, about }),
+            [name, form, about] => Some(ExplainEntry { name, form, result: None, about }),
             _ => None,
         };
         rows(include_str!("../data/statements.tsv")).filter_map(entry).collect()
@@ -52,12 +52,12 @@ pub fn statements() -> &'static [Entry] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::func::{Way, all};
+    use crate::func::{EvaluationMethod, all};
 
     #[test]
     fn every_function_has_its_row() {
         let mut names: Vec<&str> = functions().iter().map(|entry| entry.name).collect();
-        let wanted = all().filter(|function| !matches!(function.way, Way::Missing(_)));
+        let wanted = all().filter(|function| !matches!(function.way, EvaluationMethod::Missing(_)));
         let mut wanted: Vec<&str> = wanted.map(|function| function.name).collect();
         names.sort_unstable();
         wanted.sort_unstable();

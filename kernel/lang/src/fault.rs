@@ -3,30 +3,30 @@
 //! *Invariant:* a fault carries a number of the table and one sentence; place and macro are added by the machine that
 //! runs the code.
 
-use crate::diag::Number;
+use crate::diag::DiagnosticNumber;
 
 /// A run-time error before its place is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct MacroFault {
     /// Stable number.
-    pub number: Number,
+    pub number: DiagnosticNumber,
     /// The error.
     pub message: String,
 }
 
-impl Fault {
+impl MacroFault {
     /// A fault.
     #[must_use]
-    pub fn new(number: Number, message: impl Into<String>) -> Fault {
-        Fault { number, message: message.into() }
+    pub fn new(number: DiagnosticNumber, message: impl Into<String>) -> MacroFault {
+        MacroFault { number, message: message.into() }
     }
 
     /// A value of the wrong type.
     #[must_use]
-    pub fn kind(wanted: &str, found: &crate::value::Value) -> Fault {
-        Fault::new(Number::TYPE_MISMATCH, format!("expected {wanted}, found {}", found.kind_name()))
+    pub fn kind(wanted: &str, found: &crate::value::MacroValue) -> MacroFault {
+        MacroFault::new(DiagnosticNumber::TYPE_MISMATCH, format!("expected {wanted}, found {}", found.kind_name()))
     }
 }
 
 /// Result of run-time work.
-pub type Outcome<T> = Result<T, Fault>;
+pub type Outcome<T> = Result<T, MacroFault>;

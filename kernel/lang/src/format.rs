@@ -8,20 +8,20 @@ mod read;
 mod spec;
 mod write;
 
-pub use number::{Numeric, Point, Style, Zeros};
+pub use number::{ColumnStyle, Numeric, PointStyle, ZeroStyle};
 pub use read::read;
-pub use spec::{Code, Format, Piece, Register};
+pub use spec::{FormatCode, FormatPiece, FormatRegister, StringFormat};
 pub use write::{any, write};
 
 /// Outside data that formats need: names of identifiers, and registers with their own formats.
-pub trait Registers {
+pub trait RegisterHost {
     /// Name of a code identifier.
     fn code_name(&self, code: u32) -> String;
     /// Name of a data identifier.
     fn register_name(&self, register: u32) -> String;
     /// A register as text: the word (prefix, value, suffix) or the value only; the current value if none is given.
     /// None if there is no such register.
-    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String>;
+    fn register_text(&mut self, register: FormatRegister, value: Option<f64>, word: bool) -> Option<String>;
 }
 
 /// Appends `value` in the wildcard form `!(s9f9s)`: no leading or trailing zeros, point only with a fraction,

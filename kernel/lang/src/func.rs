@@ -15,31 +15,31 @@ mod vector;
 
 pub use date::stamp;
 
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::host::{Host, HostFn, ROWS};
-use crate::state::State;
-use crate::value::{Kind, Value};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::host::{HostFn, MacroHost, ROWS};
+use crate::state::MacroState;
+use crate::value::{MacroValue, ValueType};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
 /// Data that a computing function may use.
-pub struct Context<'a> {
+pub struct FunctionContext<'a> {
     /// The machine.
-    pub state: &'a mut State,
+    pub state: &'a mut MacroState,
     /// The outside.
-    pub host: &'a mut dyn Host,
+    pub host: &'a mut dyn MacroHost,
 }
 
 /// How a function is computed.
 #[derive(Clone, Copy)]
-pub enum Way {
+pub enum EvaluationMethod {
     /// From one number, none where it has no result.
     Math(fn(f64) -> Option<f64>),
     /// From two numbers, none where that is not so easy; then, and from other values, from its arguments.
-    Pair(fn(f64, f64) -> Option<f64>, fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
+    Pair(fn(f64, f64) -> Option<f64>, fn(&mut FunctionContext<'_>, &[MacroValue]) -> Outcome<MacroValue>),
     /// From its arguments.
-    Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
+    Compute(fn(&mut FunctionContext<'_>, &[MacroValue]) -> Outcome<MacroValue>),
     /// By the host.
     Host(HostFn),
     /// Part of another product, which the text names.
@@ -48,31 +48,31 @@ pub enum Way {
 
 /// A row of the table.
 #[derive(Clone, Copy)]
-pub struct Function {
+pub struct BuiltInFunction {
     /// Name with its dollar sign.
     pub name: &'static str,
     /// Types of the arguments: `n s q l k c r` and `a` for any, upper case from the first optional one on, `+` after
     /// the last group that may repeat.
     pub arguments: &'static str,
     /// Type of the result if there is only one.
-    pub result: Option<Kind>,
+    pub result: Option<ValueType>,
     /// How it is computed.
-    pub way: Way,
+    pub way: EvaluationMethod,
 }
 
-impl std::fmt::Debug for Function {
+impl std::fmt::Debug for BuiltInFunction {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name)
     }
 }
 
-impl PartialEq for Function {
-    fn eq(&self, other: &Function) -> bool {
+impl PartialEq for BuiltInFunction {
+    fn eq(&self, other: &BuiltInFunction) -> bool {
         self.name == other.name
     }
 }
 
-impl Function {
+impl BuiltInFunction {
     /// Least number of arguments.
     #[must_use]
     pub fn least(&self) -> usize {
@@ -95,46 +95,46 @@ impl Function {
 
 /// Whether a value of this type fits a letter of a signature.
 #[must_use]
-pub fn fits(letter: u8, kind: Kind) -> bool {
+pub fn fits(letter: u8, kind: ValueType) -> bool {
     match letter {
-        b'n' => kind == Kind::Real,
-        b's' => kind == Kind::Text,
-        b'q' => kind == Kind::Sequence,
-        b'l' => kind == Kind::Logical,
-        b'k' => kind == Kind::Keyword || kind == Kind::Record,
-        b'c' => kind == Kind::Code,
-        b'r' => kind == Kind::Register,
+        b'n' => kind == ValueType::Real,
+        b's' => kind == ValueType::Text,
+        b'q' => kind == ValueType::Sequence,
+        b'l' => kind == ValueType::Logical,
+        b'k' => kind == ValueType::Keyword || kind == ValueType::Record,
+        b'c' => kind == ValueType::Code,
+        b'r' => kind == ValueType::Register,
         _ => true,
     }
 }
 
-const R: Option<Kind> = Some(Kind::Real);
-const S: Option<Kind> = Some(Kind::Text);
-const Q: Option<Kind> = Some(Kind::Sequence);
-const L: Option<Kind> = Some(Kind::Logical);
-const A: Option<Kind> = None;
+const R: Option<ValueType> = Some(ValueType::Real);
+const S: Option<ValueType> = Some(ValueType::Text);
+const Q: Option<ValueType> = Some(ValueType::Sequence);
+const L: Option<ValueType> = Some(ValueType::Logical);
+const A: Option<ValueType> = None;
 
-const fn math(name: &'static str, function: fn(f64) -> Option<f64>) -> Function {
-    Function { name, arguments: "n", result: R, way: Way::Math(function) }
+const fn math(name: &'static str, function: fn(f64) -> Option<f64>) -> BuiltInFunction {
+    BuiltInFunction { name, arguments: "n", result: R, way: EvaluationMethod::Math(function) }
 }
 
 const fn pure(
     name: &'static str,
     arguments: &'static str,
-    result: Option<Kind>,
-    function: fn(&mut Context<'_>, &[Value]) -> Outcome<Value>,
-) -> Function {
-    Function { name, arguments, result, way: Way::Compute(function) }
+    result: Option<ValueType>,
+    function: fn(&mut FunctionContext<'_>, &[MacroValue]) -> Outcome<MacroValue>,
+) -> BuiltInFunction {
+    BuiltInFunction { name, arguments, result, way: EvaluationMethod::Compute(function) }
 }
 
-const fn missing(name: &'static str, why: &'static str) -> Function {
-    Function { name, arguments: "A+", result: A, way: Way::Missing(why) }
+const fn missing(name: &'static str, why: &'static str) -> BuiltInFunction {
+    BuiltInFunction { name, arguments: "A+", result: A, way: EvaluationMethod::Missing(why) }
 }
 
 const POST: &str = "it belongs to the post-processor product";
 
 /// Functions that are computed here.
-static COMPUTED: &[Function] = &[
+static COMPUTED: &[BuiltInFunction] = &[
     math("$FSIN", math::sine),
     math("$FCOS", math::cosine),
     math("$FTAN", math::tangent),
@@ -153,7 +153,12 @@ static COMPUTED: &[Function] = &[
     math("$FCEIL", |n| Some(n.ceil())),
     math("$FFLOOR", |n| Some(n.floor())),
     pure("$FATAN2", "nn", R, math::arc_tangent_of_two),
-    Function { name: "$FMOD", arguments: "nn", result: R, way: Way::Pair(math::quick_remainder, math::remainder) },
+    BuiltInFunction {
+        name: "$FMOD",
+        arguments: "nn",
+        result: R,
+        way: EvaluationMethod::Pair(math::quick_remainder, math::remainder),
+    },
     pure("$FMAX", "nnN+", R, math::largest),
     pure("$FMIN", "nnN+", R, math::smallest),
     pure("$FDIST", "nnnnnn", R, math::distance),
@@ -182,10 +187,10 @@ static COMPUTED: &[Function] = &[
     pure("$FCVINT", "a", R, convert::whole),
     pure("$FMINOR", "a", A, convert::minor),
     pure("$FMAJOR", "aN", A, convert::major),
-    pure("$FISNUM", "a", L, |_, v| Ok(convert::is(v, Kind::Real))),
-    pure("$FISSTR", "a", L, |_, v| Ok(convert::is(v, Kind::Text))),
-    pure("$FISSEQ", "a", L, |_, v| Ok(convert::is(v, Kind::Sequence))),
-    pure("$FISWRD", "a", L, |_, v| Ok(convert::is(v, Kind::Keyword))),
+    pure("$FISNUM", "a", L, |_, v| Ok(convert::is(v, ValueType::Real))),
+    pure("$FISSTR", "a", L, |_, v| Ok(convert::is(v, ValueType::Text))),
+    pure("$FISSEQ", "a", L, |_, v| Ok(convert::is(v, ValueType::Sequence))),
+    pure("$FISWRD", "a", L, |_, v| Ok(convert::is(v, ValueType::Keyword))),
     pure("$FIF", "laa", A, convert::choice),
     pure("$FCHOOSE", "naA+", A, convert::choose),
     pure("$FSWITCH", "laA+", A, convert::switch),
@@ -226,22 +231,23 @@ static COMPUTED: &[Function] = &[
 ];
 
 /// Functions that the host computes.
-static HOSTED: [Function; ROWS.len()] = hosted();
+static HOSTED: [BuiltInFunction; ROWS.len()] = hosted();
 
 #[allow(clippy::indexing_slicing, reason = "the compiler evaluates it, and both are of one length")]
-const fn hosted() -> [Function; ROWS.len()] {
+const fn hosted() -> [BuiltInFunction; ROWS.len()] {
     let mut functions = [missing("", ""); ROWS.len()];
     let mut at = 0;
     while at < ROWS.len() {
         let (function, arguments, result) = ROWS[at];
-        functions[at] = Function { name: function.name(), arguments, result, way: Way::Host(function) };
+        functions[at] =
+            BuiltInFunction { name: function.name(), arguments, result, way: EvaluationMethod::Host(function) };
         at += 1;
     }
     functions
 }
 
 /// Functions of other products.
-static MISSING: &[Function] = &[
+static MISSING: &[BuiltInFunction] = &[
     missing("$FCLREC", POST),
     missing("$FCLS", POST),
     missing("$FCL", POST),
@@ -261,43 +267,43 @@ static MISSING: &[Function] = &[
 ];
 
 /// `$FFIND` where its first argument is an element of a system variable.
-pub(crate) static FIND_IN_SYSTEM: Function = pure("$FFIND()", "naaN+", R, text::find_in_system);
+pub(crate) static FIND_IN_SYSTEM: BuiltInFunction = pure("$FFIND()", "naaN+", R, text::find_in_system);
 
 /// Every function.
-pub fn all() -> impl Iterator<Item = &'static Function> {
+pub fn all() -> impl Iterator<Item = &'static BuiltInFunction> {
     COMPUTED.iter().chain(&HOSTED).chain(MISSING)
 }
 
 /// Finds a function by its name, upper case.
 #[must_use]
-pub fn named(name: &str) -> Option<&'static Function> {
-    static NAMES: OnceLock<HashMap<&'static str, &'static Function>> = OnceLock::new();
+pub fn named(name: &str) -> Option<&'static BuiltInFunction> {
+    static NAMES: OnceLock<HashMap<&'static str, &'static BuiltInFunction>> = OnceLock::new();
     NAMES.get_or_init(|| all().map(|function| (function.name, function)).collect()).get(name).copied()
 }
 
 /// An argument as a number.
-fn number(arguments: &[Value], position: usize) -> Outcome<f64> {
-    let value = arguments.get(position).unwrap_or(&Value::Unset);
-    value.as_real().ok_or_else(|| Fault::kind("a number", value))
+fn number(arguments: &[MacroValue], position: usize) -> Outcome<f64> {
+    let value = arguments.get(position).unwrap_or(&MacroValue::Unset);
+    value.as_real().ok_or_else(|| MacroFault::kind("a number", value))
 }
 
 /// An argument as a text.
-fn string(arguments: &[Value], position: usize) -> Outcome<&str> {
-    let value = arguments.get(position).unwrap_or(&Value::Unset);
-    value.as_text().ok_or_else(|| Fault::kind("a text", value))
+fn string(arguments: &[MacroValue], position: usize) -> Outcome<&str> {
+    let value = arguments.get(position).unwrap_or(&MacroValue::Unset);
+    value.as_text().ok_or_else(|| MacroFault::kind("a text", value))
 }
 
 /// An argument as a sequence.
-fn sequence(arguments: &[Value], position: usize) -> Outcome<&[Value]> {
-    let value = arguments.get(position).unwrap_or(&Value::Unset);
-    value.as_sequence().ok_or_else(|| Fault::kind("a sequence", value))
+fn sequence(arguments: &[MacroValue], position: usize) -> Outcome<&[MacroValue]> {
+    let value = arguments.get(position).unwrap_or(&MacroValue::Unset);
+    value.as_sequence().ok_or_else(|| MacroFault::kind("a sequence", value))
 }
 
 /// An argument as a sequence of numbers.
-fn numbers(arguments: &[Value], position: usize) -> Outcome<Vec<f64>> {
+fn numbers(arguments: &[MacroValue], position: usize) -> Outcome<Vec<f64>> {
     sequence(arguments, position)?
         .iter()
-        .map(|value| value.as_real().ok_or_else(|| Fault::kind("a number", value)))
+        .map(|value| value.as_real().ok_or_else(|| MacroFault::kind("a number", value)))
         .collect()
 }
 
@@ -309,10 +315,10 @@ fn count(number: f64) -> usize {
 }
 
 #[allow(clippy::cast_precision_loss)]
-fn real(count: usize) -> Value {
-    Value::Real(count as f64)
+fn real(count: usize) -> MacroValue {
+    MacroValue::Real(count as f64)
 }
 
 fn impossible<T>(message: impl Into<String>) -> Outcome<T> {
-    Err(Fault::new(Number::BAD_ARITHMETIC, message))
+    Err(MacroFault::new(DiagnosticNumber::BAD_ARITHMETIC, message))
 }

@@ -1,8 +1,8 @@
 //! Requests of a macro to the outside, at compile time and at run time.
 //!
 //! *Invariant:* the language reaches the outside only through these traits; calls carry indices of tables given once,
-//! never names. The requests of a running macro are one trait for each concern: [`Variables`], [`Blocks`], [`Files`],
-//! [`Dialog`].
+//! never names. The requests of a running macro are one trait for each concern: [`VariableHost`], [`CommandHost`], [`FileHost`],
+//! [`ConsoleHost`].
 
 mod blocks;
 mod dialog;
@@ -11,20 +11,20 @@ mod folder;
 mod functions;
 mod variables;
 
-pub use blocks::{Blocks, Command};
-pub use dialog::{Dialog, Macro, Step};
-pub use files::Files;
-pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, stored};
+pub use blocks::{CommandHost, HostCommand};
+pub use dialog::{ConsoleHost, TraceStep, TracedMacro};
+pub use files::FileHost;
+pub use folder::{FAILED, FORBIDDEN, FileFacts, INVALID, MacroFolder, NOT_FOUND, Shelf, stored};
 pub use functions::{AbsentFn, FileFn, HostFn, Need};
-pub use variables::Variables;
+pub use variables::VariableHost;
 
 pub(crate) use functions::ROWS;
 
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::source::Source;
-use crate::state::State;
-use crate::value::{Kind, Value};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::source::MacroSource;
+use crate::state::MacroState;
+use crate::value::{MacroValue, ValueType};
 
 /// A system variable of the host's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct SystemVariable {
     /// Name with its dollar sign, upper case.
     pub name: String,
     /// Type, none if it may vary.
-    pub kind: Option<Kind>,
+    pub kind: Option<ValueType>,
     /// May be assigned.
     pub writable: bool,
     /// Number of indices it takes; 0 for a single value.
@@ -40,7 +40,7 @@ pub struct SystemVariable {
 }
 
 /// The external facts for the compiler.
-pub trait Environment {
+pub trait CompileEnvironment {
     /// The system variables; the position is the index used at run time.
     fn system(&self) -> &[SystemVariable];
     /// Index of a code identifier, 0 for `CODE_NONE`.
@@ -55,40 +55,43 @@ pub trait Environment {
         None
     }
     /// Text of a file of functions named by a file.
-    fn include(&mut self, name: &str, from: &str) -> Option<Source>;
+    fn include(&mut self, name: &str, from: &str) -> Option<MacroSource>;
 }
 
 /// `$FMACSTA`: numbers of macros with their states before the change. `switch` gives the state of a macro before it is
 /// switched, none for an unknown number.
-pub fn macro_states(arguments: &[Value], mut switch: impl FnMut(f64, Option<bool>) -> Option<bool>) -> Value {
+pub fn macro_states(arguments: &[MacroValue], mut switch: impl FnMut(f64, Option<bool>) -> Option<bool>) -> MacroValue {
     let single;
     let numbers = match arguments.first() {
-        Some(Value::Sequence(all)) => all.as_slice(),
+        Some(MacroValue::Sequence(all)) => all.as_slice(),
         Some(one) => {
             single = [one.clone()];
             &single
         }
         None => &[],
     };
-    let on = arguments.get(1).and_then(Value::as_logical);
+    let on = arguments.get(1).and_then(MacroValue::as_logical);
     let mut states = Vec::new();
-    for number in numbers.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
+    for number in numbers.iter().filter(|value| matches!(value, MacroValue::Real(_))).filter_map(MacroValue::as_real) {
         if let Some(before) = switch(number, on) {
-            states.extend([Value::Real(number), Value::Logical(before)]);
+            states.extend([MacroValue::Real(number), MacroValue::Logical(before)]);
         }
     }
-    Value::sequence(states)
+    MacroValue::sequence(states)
 }
 
 /// The requests of a running macro to the outside.
-pub trait Host: Variables + Blocks + Files + Dialog {
+pub trait MacroHost: VariableHost + CommandHost + FileHost + ConsoleHost {
     /// Computes a function that needs a control.
     ///
     /// # Errors
     /// The function is not available here, or its arguments are impossible.
-    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+    fn function(&mut self, state: &mut MacroState, function: HostFn, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         let _ = (state, arguments);
-        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name())))
+        Err(MacroFault::new(
+            DiagnosticNumber::NO_HOST,
+            format!("{} needs a machine, and there is none here", function.name()),
+        ))
     }
 
     /// Whether the run is to end; asked now and then while macros run.

@@ -3,20 +3,20 @@
 //! *Invariant:* words are looked up in upper case; every word and code appears once per table. Facts: the lists of
 //! minor, major and reserved words of the reference.
 
-use crate::value::Record;
+use crate::value::RecordName;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
 /// Class of the records that major words name.
 pub const MAJOR_CLASS: i32 = 2000;
 
-struct Words {
+struct WordCodes {
     codes: HashMap<&'static str, i32>,
     names: HashMap<i32, &'static str>,
 }
 
-fn words(table: &'static str) -> Words {
-    let mut words = Words { codes: HashMap::new(), names: HashMap::new() };
+fn words(table: &'static str) -> WordCodes {
+    let mut words = WordCodes { codes: HashMap::new(), names: HashMap::new() };
     for line in table.lines() {
         let Some((word, code)) = line.split_once('\t') else { continue };
         let Ok(code) = code.trim().parse() else { continue };
@@ -26,13 +26,13 @@ fn words(table: &'static str) -> Words {
     words
 }
 
-fn minor() -> &'static Words {
-    static TABLE: OnceLock<Words> = OnceLock::new();
+fn minor() -> &'static WordCodes {
+    static TABLE: OnceLock<WordCodes> = OnceLock::new();
     TABLE.get_or_init(|| words(include_str!("../data/minor-words.tsv")))
 }
 
-fn major() -> &'static Words {
-    static TABLE: OnceLock<Words> = OnceLock::new();
+fn major() -> &'static WordCodes {
+    static TABLE: OnceLock<WordCodes> = OnceLock::new();
     TABLE.get_or_init(|| words(include_str!("../data/major-words.tsv")))
 }
 
@@ -64,28 +64,28 @@ pub fn major_name(subclass: i32) -> Option<&'static str> {
 /// own. The numbers of the latter are those of cutter location data; class 29000 is this project's own, for words
 /// without one.
 #[must_use]
-pub fn record(word: &str) -> Option<Record> {
+pub fn record(word: &str) -> Option<RecordName> {
     let reserved = || records().iter().find(|(name, _)| *name == word).map(|(_, record)| *record);
-    major_code(word).map(|subclass| Record { class: MAJOR_CLASS, subclass }).or_else(reserved)
+    major_code(word).map(|subclass| RecordName { class: MAJOR_CLASS, subclass }).or_else(reserved)
 }
 
 /// Word that names a record.
 #[must_use]
-pub fn record_name(record: Record) -> Option<&'static str> {
+pub fn record_name(record: RecordName) -> Option<&'static str> {
     if record.class == MAJOR_CLASS {
         return major_name(record.subclass);
     }
     records().iter().find(|(_, other)| *other == record).map(|(name, _)| *name)
 }
 
-fn records() -> &'static [(&'static str, Record)] {
-    static TABLE: OnceLock<Vec<(&'static str, Record)>> = OnceLock::new();
+fn records() -> &'static [(&'static str, RecordName)] {
+    static TABLE: OnceLock<Vec<(&'static str, RecordName)>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let row = |line: &'static str| {
             let mut parts = line.split('\t');
             let name = parts.next()?;
             let mut number = || parts.next()?.trim().parse().ok();
-            Some((name, Record { class: number()?, subclass: number()? }))
+            Some((name, RecordName { class: number()?, subclass: number()? }))
         };
         include_str!("../data/record-words.tsv").lines().filter_map(row).collect()
     })
@@ -172,8 +172,8 @@ mod tests {
         assert_eq!(reserved("WHILE"), Some(Reserved::Control));
         assert_eq!(reserved("GOTO"), Some(Reserved::Post));
         assert_eq!(reserved("MATCH"), Some(Reserved::Control));
-        assert_eq!(record("GOTO"), Some(Record { class: 5000, subclass: 5 }));
-        assert_eq!(record("COOLNT"), Some(Record { class: MAJOR_CLASS, subclass: 1030 }));
+        assert_eq!(record("GOTO"), Some(RecordName { class: 5000, subclass: 5 }));
+        assert_eq!(record("COOLNT"), Some(RecordName { class: MAJOR_CLASS, subclass: 1030 }));
         for (name, record) in records() {
             assert!(reserved(name).is_some() && minor_code(name).is_none() && major_code(name).is_none(), "{name}");
             assert_eq!(record_name(*record), Some(*name));

@@ -1,12 +1,12 @@
 //! The two styles of writing: standard (upper case, dotted operators) and C (lower case, C operators).
 
-use crate::diag::Diagnostic;
-use crate::lex::{self, Line, MAX_LINE, Sign, Token};
-use crate::source::Source;
+use crate::diag::MacroDiagnostic;
+use crate::lex::{self, LogicalLine, MAX_LINE, Sign, TokenKind};
+use crate::source::MacroSource;
 
 /// A style of writing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Style {
+pub enum SourceStyle {
     /// Upper case, `.EQ.`
     Standard,
     /// Lower case, `==`
@@ -17,10 +17,10 @@ pub enum Style {
 ///
 /// # Errors
 /// The diagnostics of a file that cannot be read.
-pub fn format(text: &str, style: Style) -> Result<String, Vec<Diagnostic>> {
-    let source = Source::new("", text);
+pub fn format(text: &str, style: SourceStyle) -> Result<String, Vec<MacroDiagnostic>> {
+    let source = MacroSource::new("", text);
     let (_, diagnostics) = crate::parse::parse(&source);
-    if diagnostics.iter().any(Diagnostic::is_error) {
+    if diagnostics.iter().any(MacroDiagnostic::is_error) {
         return Err(diagnostics);
     }
     let (lines, _) = lex::lex(&source);
@@ -87,12 +87,12 @@ fn statement_line(out: &mut String, indent: &str, statement: &[String], comment:
 }
 
 /// Steps of indentation before and after a line.
-fn shifts(line: &Line) -> (usize, usize) {
+fn shifts(line: &LogicalLine) -> (usize, usize) {
     let word = |at: usize| match line.tokens.get(at).map(|spanned| &spanned.token) {
-        Some(Token::Name(name)) => name.as_str(),
+        Some(TokenKind::Name(name)) => name.as_str(),
         _ => "",
     };
-    let slash = line.tokens.get(1).is_some_and(|spanned| spanned.token == Token::Sign(Sign::Slash));
+    let slash = line.tokens.get(1).is_some_and(|spanned| spanned.token == TokenKind::Sign(Sign::Slash));
     let alone = line.tokens.len() == 1;
     match (word(0), slash, alone) {
         ("IF" | "WHILE" | "DO", true, _) | ("REPEAT", _, true) => (0, 1),
@@ -109,35 +109,36 @@ fn shifts(line: &Line) -> (usize, usize) {
 /// A statement in standard style on one line, for the trace.
 #[must_use]
 pub fn standard_line(text: &str) -> String {
-    let source = Source::new("", text);
+    let source = MacroSource::new("", text);
     let (lines, _) = lex::lex(&source);
-    lines.iter().flat_map(|line| tokens(line, Style::Standard)).collect()
+    lines.iter().flat_map(|line| tokens(line, SourceStyle::Standard)).collect()
 }
 
-fn tokens(line: &Line, style: Style) -> Vec<String> {
-    let cased = |text: &str| if style == Style::C { text.to_lowercase() } else { text.to_owned() };
+fn tokens(line: &LogicalLine, style: SourceStyle) -> Vec<String> {
+    let cased = |text: &str| if style == SourceStyle::C { text.to_lowercase() } else { text.to_owned() };
     let mut out = Vec::new();
     if let Some((label, _)) = &line.label {
         out.push(format!("{}:{}", cased(label), if line.tokens.is_empty() { "" } else { " " }));
     }
     for (position, spanned) in line.tokens.iter().enumerate() {
-        let command = position == 1 && matches!(line.tokens.first().map(|first| &first.token), Some(Token::Name(_)));
+        let command =
+            position == 1 && matches!(line.tokens.first().map(|first| &first.token), Some(TokenKind::Name(_)));
         out.push(match &spanned.token {
-            Token::Number(number) => number_text(*number),
-            Token::Text(text) => format!("'{}'", text.replace('\'', "''")),
-            Token::Name(name) => cased(name),
-            Token::Percent(name) => cased(&format!("%{name}")),
-            Token::Global(number) => cased(&format!("%G{number:02}")),
-            Token::Local(number) => cased(&format!("%L{number:02}")),
-            Token::Param(number) => cased(&format!("$P{number}")),
-            Token::System(name) if name == "$TRUE" && style == Style::Standard => ".TRUE.".to_owned(),
-            Token::System(name) if name == "$FALSE" && style == Style::Standard => ".FALSE.".to_owned(),
-            Token::System(name) => cased(name),
-            Token::Keyword(code) => format!("#{code}"),
-            Token::Record(class, subclass) => format!("#{}:{}", star(*class), star(*subclass)),
-            Token::Sign(Sign::Slash) if command => "/".to_owned(),
-            Token::Sign(sign) if style == Style::C => c_sign(*sign),
-            Token::Sign(sign) => sign.standard().to_owned(),
+            TokenKind::Number(number) => number_text(*number),
+            TokenKind::Text(text) => format!("'{}'", text.replace('\'', "''")),
+            TokenKind::Name(name) => cased(name),
+            TokenKind::Percent(name) => cased(&format!("%{name}")),
+            TokenKind::Global(number) => cased(&format!("%G{number:02}")),
+            TokenKind::Local(number) => cased(&format!("%L{number:02}")),
+            TokenKind::Param(number) => cased(&format!("$P{number}")),
+            TokenKind::System(name) if name == "$TRUE" && style == SourceStyle::Standard => ".TRUE.".to_owned(),
+            TokenKind::System(name) if name == "$FALSE" && style == SourceStyle::Standard => ".FALSE.".to_owned(),
+            TokenKind::System(name) => cased(name),
+            TokenKind::Keyword(code) => format!("#{code}"),
+            TokenKind::Record(class, subclass) => format!("#{}:{}", star(*class), star(*subclass)),
+            TokenKind::Sign(Sign::Slash) if command => "/".to_owned(),
+            TokenKind::Sign(sign) if style == SourceStyle::C => c_sign(*sign),
+            TokenKind::Sign(sign) => sign.standard().to_owned(),
         });
     }
     out

@@ -5,8 +5,8 @@
 
 mod scan;
 
-use crate::diag::{Diagnostic, Number};
-use crate::source::{Source, Span};
+use crate::diag::{DiagnosticNumber, MacroDiagnostic};
+use crate::source::{MacroSource, Span};
 
 /// Longest physical line, in characters.
 pub const MAX_LINE: usize = 512;
@@ -15,7 +15,7 @@ pub const MAX_NAME: usize = 32;
 
 /// Kind of a token.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Token {
+pub enum TokenKind {
     /// Number.
     Number(f64),
     /// Text constant without its quotes.
@@ -90,14 +90,14 @@ signs! {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spanned {
     /// Its kind.
-    pub token: Token,
+    pub token: TokenKind,
     /// Where it is.
     pub span: Span,
 }
 
 /// One logical line: a statement, perhaps with a label and comments.
 #[derive(Clone, Debug, Default)]
-pub struct Line {
+pub struct LogicalLine {
     /// Label without its colon, upper case.
     pub label: Option<(String, Span)>,
     /// Tokens of the statement.
@@ -110,7 +110,7 @@ pub struct Line {
 
 /// Splits a source into logical lines; empty lines are kept.
 #[must_use]
-pub fn lex(source: &Source) -> (Vec<Line>, Vec<Diagnostic>) {
+pub fn lex(source: &MacroSource) -> (Vec<LogicalLine>, Vec<MacroDiagnostic>) {
     let mut diagnostics = Vec::new();
     let mut lines = Vec::new();
     let mut squeezed = Vec::new();
@@ -120,7 +120,7 @@ pub fn lex(source: &Source) -> (Vec<Line>, Vec<Diagnostic>) {
         Some((at, text.trim_end_matches(['\n', '\r'])))
     });
     while let Some((start, text)) = physical.next() {
-        let mut line = Line { span: span(start, text), ..Line::default() };
+        let mut line = LogicalLine { span: span(start, text), ..LogicalLine::default() };
         squeezed.clear();
         let mut next = squeeze(source, start, text, &mut squeezed, &mut line, &mut diagnostics);
         while next {
@@ -140,16 +140,21 @@ fn span(start: u32, text: &str) -> Span {
 
 /// Appends the characters that count; says whether the line continues in the next one.
 fn squeeze(
-    source: &Source,
+    source: &MacroSource,
     start: u32,
     text: &str,
     out: &mut Vec<(char, u32)>,
-    line: &mut Line,
-    diagnostics: &mut Vec<Diagnostic>,
+    line: &mut LogicalLine,
+    diagnostics: &mut Vec<MacroDiagnostic>,
 ) -> bool {
     if text.len() > MAX_LINE && text.chars().count() > MAX_LINE {
         let message = format!("this line is longer than {MAX_LINE} characters; continue in the next line after a `$`");
-        diagnostics.push(Diagnostic::new(source, Span { start, end: start + 1 }, Number::LINE_TOO_LONG, message));
+        diagnostics.push(MacroDiagnostic::new(
+            source,
+            Span { start, end: start + 1 },
+            DiagnosticNumber::LINE_TOO_LONG,
+            message,
+        ));
     }
     let mut quoted: Option<u32> = None;
     let mut characters = text.char_indices().peekable();
@@ -185,7 +190,7 @@ fn squeeze(
     if let Some(open) = quoted {
         let end = span(start, text).end;
         let message = "this text has no closing quote; a quote inside a text is written twice";
-        diagnostics.push(Diagnostic::new(source, Span { start: open, end }, Number::OPEN_TEXT, message));
+        diagnostics.push(MacroDiagnostic::new(source, Span { start: open, end }, DiagnosticNumber::OPEN_TEXT, message));
         out.push(('\'', end));
     }
     false
@@ -199,14 +204,14 @@ fn len(text: &str) -> u32 {
 mod tests {
     use super::*;
 
-    fn tokens(text: &str) -> Vec<Token> {
-        let (lines, diagnostics) = lex(&Source::new("t", text));
+    fn tokens(text: &str) -> Vec<TokenKind> {
+        let (lines, diagnostics) = lex(&MacroSource::new("t", text));
         assert_eq!(diagnostics, []);
         lines.into_iter().flat_map(|line| line.tokens).map(|spanned| spanned.token).collect()
     }
 
-    fn numbers(text: &str) -> Vec<Number> {
-        lex(&Source::new("t", text)).1.into_iter().map(|diagnostic| diagnostic.number).collect()
+    fn numbers(text: &str) -> Vec<DiagnosticNumber> {
+        lex(&MacroSource::new("t", text)).1.into_iter().map(|diagnostic| diagnostic.number).collect()
     }
 
     #[test]
@@ -220,9 +225,9 @@ mod tests {
         assert_eq!(tokens("E N D O F / I F"), tokens("ENDOF/IF"));
         assert_eq!(
             tokens("A = 'x  Y'"),
-            [Token::Name("A".into()), Token::Sign(Sign::Assign), Token::Text("x  Y".into())]
+            [TokenKind::Name("A".into()), TokenKind::Sign(Sign::Assign), TokenKind::Text("x  Y".into())]
         );
-        assert_eq!(tokens("A='it''s'").last(), Some(&Token::Text("it's".into())));
+        assert_eq!(tokens("A='it''s'").last(), Some(&TokenKind::Text("it's".into())));
     }
 
     #[test]
@@ -230,14 +235,14 @@ mod tests {
         assert_eq!(tokens("0.OR.X"), tokens("0 .OR. X"));
         assert_eq!(tokens("1.LT.$XC"), tokens("1 < $XC"));
         assert_eq!(tokens("X.OR..NOT.Y"), tokens("X||!Y"));
-        assert_eq!(tokens("23.45"), [Token::Number(23.45)]);
-        assert_eq!(tokens(".003"), [Token::Number(0.003)]);
-        assert_eq!(tokens("12.*3.").first(), Some(&Token::Number(12.0)));
+        assert_eq!(tokens("23.45"), [TokenKind::Number(23.45)]);
+        assert_eq!(tokens(".003"), [TokenKind::Number(0.003)]);
+        assert_eq!(tokens("12.*3.").first(), Some(&TokenKind::Number(12.0)));
     }
 
     #[test]
     fn comments_and_continuation() {
-        let (lines, _) = lex(&Source::new("t", "A=1+ $ why\n  2 $$ done\n$$ alone\n\nB='$$ no'"));
+        let (lines, _) = lex(&MacroSource::new("t", "A=1+ $ why\n  2 $$ done\n$$ alone\n\nB='$$ no'"));
         assert_eq!(lines.len(), 4);
         assert_eq!(lines[0].tokens.len(), 5);
         assert_eq!(lines[0].comments.len(), 2);
@@ -247,29 +252,29 @@ mod tests {
 
     #[test]
     fn names_of_every_kind() {
-        let comma = Token::Sign(Sign::Comma);
+        let comma = TokenKind::Sign(Sign::Comma);
         let mut seen = tokens("%G2,%L07,$P3,%ON,ZTOP,$XM,#71,#2000:1030,#28000:*,#*:*");
         seen.retain(|token| *token != comma);
         assert_eq!(
             seen,
             [
-                Token::Global(2),
-                Token::Local(7),
-                Token::Param(3),
-                Token::Percent("ON".into()),
-                Token::Name("ZTOP".into()),
-                Token::System("$XM".into()),
-                Token::Keyword(71),
-                Token::Record(2000, 1030),
-                Token::Record(28000, -1),
-                Token::Record(-1, -1),
+                TokenKind::Global(2),
+                TokenKind::Local(7),
+                TokenKind::Param(3),
+                TokenKind::Percent("ON".into()),
+                TokenKind::Name("ZTOP".into()),
+                TokenKind::System("$XM".into()),
+                TokenKind::Keyword(71),
+                TokenKind::Record(2000, 1030),
+                TokenKind::Record(28000, -1),
+                TokenKind::Record(-1, -1),
             ]
         );
     }
 
     #[test]
     fn labels() {
-        let (lines, _) = lex(&Source::new("t", "10AGAIN: A=1\nB:\nC(1:2)=3"));
+        let (lines, _) = lex(&MacroSource::new("t", "10AGAIN: A=1\nB:\nC(1:2)=3"));
         assert_eq!(lines[0].label.as_ref().unwrap().0, "10AGAIN");
         assert_eq!(lines[1].label.as_ref().unwrap().0, "B");
         assert!(lines[2].label.is_none());
@@ -277,12 +282,12 @@ mod tests {
 
     #[test]
     fn what_is_no_token_is_told() {
-        assert_eq!(numbers("A='x"), [Number::OPEN_TEXT]);
-        assert_eq!(numbers("A=?"), [Number::STRANGE_CHARACTER]);
-        assert_eq!(numbers("10: A=1"), [Number::BAD_LABEL]);
-        assert_eq!(numbers(&format!("A='{}'", "1".repeat(600))), [Number::LINE_TOO_LONG]);
-        assert_eq!(numbers(&format!("{}=1", "A".repeat(33))), [Number::BAD_NAME]);
-        assert_eq!(numbers("A=.FOO.B"), [Number::STRANGE_CHARACTER]);
-        assert_eq!(numbers(&format!("A={}", "9".repeat(400))), [Number::BAD_NUMBER]);
+        assert_eq!(numbers("A='x"), [DiagnosticNumber::OPEN_TEXT]);
+        assert_eq!(numbers("A=?"), [DiagnosticNumber::STRANGE_CHARACTER]);
+        assert_eq!(numbers("10: A=1"), [DiagnosticNumber::BAD_LABEL]);
+        assert_eq!(numbers(&format!("A='{}'", "1".repeat(600))), [DiagnosticNumber::LINE_TOO_LONG]);
+        assert_eq!(numbers(&format!("{}=1", "A".repeat(33))), [DiagnosticNumber::BAD_NAME]);
+        assert_eq!(numbers("A=.FOO.B"), [DiagnosticNumber::STRANGE_CHARACTER]);
+        assert_eq!(numbers(&format!("A={}", "9".repeat(400))), [DiagnosticNumber::BAD_NUMBER]);
     }
 }

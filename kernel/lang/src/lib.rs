@@ -3,7 +3,7 @@
 //! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`],
 //! [`mod@format`], [`pattern`], [`layout`], [`state`], [`host`], [`func`], [`bytecode`], [`program`], [`compile`],
 //! [`vm`], [`explain`]. A source is lexed and parsed without ever failing, compiled once to [`bytecode`] with every
-//! error it has, and run by [`vm::run`] against a [`host::Host`].
+//! error it has, and run by [`vm::run`] against a [`host::MacroHost`].
 
 pub mod ast;
 pub mod bytecode;

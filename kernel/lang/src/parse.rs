@@ -8,10 +8,10 @@ mod statement;
 
 pub use statement::COMMANDS;
 
-use crate::ast::{Expr, ExprKind, Macro, Statement, StatementKind, Variable, When};
-use crate::diag::{Diagnostic, Number};
-use crate::lex::{self, Line, Sign, Spanned, Token};
-use crate::source::{Source, Span};
+use crate::ast::{Expr, ExprKind, MacroStatement, ParsedMacro, StatementKind, VariableName, WhenItem};
+use crate::diag::{DiagnosticNumber, MacroDiagnostic};
+use crate::lex::{self, LogicalLine, Sign, Spanned, TokenKind};
+use crate::source::{MacroSource, Span};
 use std::collections::HashSet;
 
 /// Most diagnostics of one file.
@@ -23,21 +23,21 @@ pub(crate) struct GivenUp;
 type Parsed<T> = Result<T, GivenUp>;
 
 /// Cursor over the tokens of one logical line.
-pub(crate) struct Parser<'a> {
-    source: &'a Source,
+pub(crate) struct LineParser<'a> {
+    source: &'a MacroSource,
     tokens: &'a [Spanned],
     at: usize,
     end: Span,
     nesting: u32,
-    diagnostics: &'a mut Vec<Diagnostic>,
+    diagnostics: &'a mut Vec<MacroDiagnostic>,
 }
 
 /// Reads a file.
 #[must_use]
-pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
+pub fn parse(source: &MacroSource) -> (Vec<ParsedMacro>, Vec<MacroDiagnostic>) {
     let (lines, mut diagnostics) = lex::lex(source);
     let mut macros = Vec::new();
-    let mut current = Macro::default();
+    let mut current = ParsedMacro::default();
     let broken: HashSet<u32> = diagnostics.iter().map(|diagnostic| diagnostic.line).collect();
     let mut unheard = Vec::new();
     for line in &lines {
@@ -69,24 +69,24 @@ pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
 
 /// Reads one expression, as embedded macro code has it; none if the text is not an expression.
 #[must_use]
-pub fn expression(source: &Source) -> Option<crate::ast::Expr> {
+pub fn expression(source: &MacroSource) -> Option<crate::ast::Expr> {
     let (lines, diagnostics) = lex::lex(source);
     let line = lines.iter().find(|line| !line.tokens.is_empty())?;
     let mut found = Vec::new();
-    let mut parser = Parser::new(source, line, &mut found);
+    let mut parser = LineParser::new(source, line, &mut found);
     let expression = parser.expression().ok()?;
     let done = parser.at == line.tokens.len();
     (done && found.is_empty() && diagnostics.is_empty()).then_some(expression)
 }
 
 fn header_or_statement(
-    source: &Source,
-    line: &Line,
-    current: &mut Macro,
-    macros: &mut Vec<Macro>,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Option<Statement> {
-    let mut parser = Parser::new(source, line, diagnostics);
+    source: &MacroSource,
+    line: &LogicalLine,
+    current: &mut ParsedMacro,
+    macros: &mut Vec<ParsedMacro>,
+    diagnostics: &mut Vec<MacroDiagnostic>,
+) -> Option<MacroStatement> {
+    let mut parser = LineParser::new(source, line, diagnostics);
     if parser.command("MACRO") {
         if !current.statements.is_empty() || current.header.is_some() {
             macros.push(std::mem::take(current));
@@ -98,12 +98,12 @@ fn header_or_statement(
         return None;
     }
     let kind = parser.statement().unwrap_or_else(|GivenUp| stand_in(line));
-    Some(Statement { label: line.label.clone(), kind, span: line_span(line) })
+    Some(MacroStatement { label: line.label.clone(), kind, span: line_span(line) })
 }
 
 /// Keeps the blocks in balance after an error in the line that opens or divides one.
-fn stand_in(line: &Line) -> StatementKind {
-    let Some(Token::Name(word)) = line.tokens.first().map(|spanned| &spanned.token) else {
+fn stand_in(line: &LogicalLine) -> StatementKind {
+    let Some(TokenKind::Name(word)) = line.tokens.first().map(|spanned| &spanned.token) else {
         return StatementKind::Empty;
     };
     let expr = |kind| Expr::new(kind, line_span(line));
@@ -112,9 +112,9 @@ fn stand_in(line: &Line) -> StatementKind {
         "WHILE" => StatementKind::While(expr(ExprKind::Logical(true))),
         "UNTIL" => StatementKind::Until(expr(ExprKind::Logical(true))),
         "CASE" => StatementKind::Case(expr(ExprKind::Real(0.0))),
-        "WHEN" => StatementKind::When(vec![When::One(expr(ExprKind::Real(0.0)))]),
+        "WHEN" => StatementKind::When(vec![WhenItem::One(expr(ExprKind::Real(0.0)))]),
         "DO" => StatementKind::Do {
-            variable: expr(ExprKind::Variable(Variable::Local(0))),
+            variable: expr(ExprKind::Variable(VariableName::Local(0))),
             start: expr(ExprKind::Real(0.0)),
             end: expr(ExprKind::Real(0.0)),
             step: None,
@@ -123,7 +123,7 @@ fn stand_in(line: &Line) -> StatementKind {
     }
 }
 
-fn line_span(line: &Line) -> Span {
+fn line_span(line: &LogicalLine) -> Span {
     let start = line.label.as_ref().map(|(_, span)| *span);
     let first = line.tokens.first().map(|token| token.span);
     let last = line.tokens.last().map(|token| token.span);
@@ -131,23 +131,27 @@ fn line_span(line: &Line) -> Span {
     from.to(last.unwrap_or(from))
 }
 
-impl<'a> Parser<'a> {
-    fn new(source: &'a Source, line: &'a Line, diagnostics: &'a mut Vec<Diagnostic>) -> Parser<'a> {
+impl<'a> LineParser<'a> {
+    fn new(
+        source: &'a MacroSource,
+        line: &'a LogicalLine,
+        diagnostics: &'a mut Vec<MacroDiagnostic>,
+    ) -> LineParser<'a> {
         let end = line.tokens.last().map_or(line.span.end, |token| token.span.end);
-        Parser { source, tokens: &line.tokens, at: 0, end: Span { start: end, end }, nesting: 0, diagnostics }
+        LineParser { source, tokens: &line.tokens, at: 0, end: Span { start: end, end }, nesting: 0, diagnostics }
     }
 
-    fn peek(&self) -> Option<&'a Token> {
+    fn peek(&self) -> Option<&'a TokenKind> {
         self.peek_at(0)
     }
 
-    fn peek_at(&self, ahead: usize) -> Option<&'a Token> {
+    fn peek_at(&self, ahead: usize) -> Option<&'a TokenKind> {
         self.tokens.get(self.at + ahead).map(|spanned| &spanned.token)
     }
 
     fn sign(&self) -> Option<Sign> {
         match self.peek() {
-            Some(Token::Sign(sign)) => Some(*sign),
+            Some(TokenKind::Sign(sign)) => Some(*sign),
             _ => None,
         }
     }
@@ -167,19 +171,19 @@ impl<'a> Parser<'a> {
     }
 
     fn eat_word(&mut self, word: &str) -> bool {
-        let found = matches!(self.peek(), Some(Token::Name(name)) if name == word);
+        let found = matches!(self.peek(), Some(TokenKind::Name(name)) if name == word);
         self.at += usize::from(found);
         found
     }
 
     /// Takes `WORD/`.
     fn command(&mut self, word: &str) -> bool {
-        let found = matches!((self.peek(), self.peek_at(1)), (Some(Token::Name(name)), Some(Token::Sign(Sign::Slash))) if name == word);
+        let found = matches!((self.peek(), self.peek_at(1)), (Some(TokenKind::Name(name)), Some(TokenKind::Sign(Sign::Slash))) if name == word);
         self.at += 2 * usize::from(found);
         found
     }
 
-    fn fail<T>(&mut self, number: Number, message: impl Into<String>) -> Parsed<T> {
+    fn fail<T>(&mut self, number: DiagnosticNumber, message: impl Into<String>) -> Parsed<T> {
         let span = self.span();
         self.fail_at(span, number, message, None)
     }
@@ -187,11 +191,11 @@ impl<'a> Parser<'a> {
     fn fail_at<T>(
         &mut self,
         span: Span,
-        number: Number,
+        number: DiagnosticNumber,
         message: impl Into<String>,
         help: Option<String>,
     ) -> Parsed<T> {
-        self.diagnostics.push(Diagnostic::new(self.source, span, number, message).help(help));
+        self.diagnostics.push(MacroDiagnostic::new(self.source, span, number, message).help(help));
         Err(GivenUp)
     }
 
@@ -199,14 +203,14 @@ impl<'a> Parser<'a> {
         if self.eat(sign) {
             return Ok(());
         }
-        self.fail(Number::SYNTAX, format!("`{}` is expected here", sign.standard()))
+        self.fail(DiagnosticNumber::SYNTAX, format!("`{}` is expected here", sign.standard()))
     }
 
     fn done(&mut self) -> Parsed<()> {
         if self.at >= self.tokens.len() {
             return Ok(());
         }
-        self.fail(Number::SYNTAX, "unexpected text after a complete statement")
+        self.fail(DiagnosticNumber::SYNTAX, "unexpected text after a complete statement")
     }
 }
 

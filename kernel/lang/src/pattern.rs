@@ -23,22 +23,22 @@ const BYTES_PER_STEP: usize = 16;
 
 /// A set of characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Class {
+enum CharClass {
     One(char),
     Any,
-    Set(Box<Set>),
+    Set(Box<CharSet>),
 }
 
 /// Ranges of characters, and which of the first 128 characters belong to the set after negation.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Set {
+struct CharSet {
     ranges: Vec<(char, char)>,
     negated: bool,
     ascii: u128,
 }
 
-impl Set {
-    fn new(mut ranges: Vec<(char, char)>, negated: bool) -> Set {
+impl CharSet {
+    fn new(mut ranges: Vec<(char, char)>, negated: bool) -> CharSet {
         // In order and apart, so that a character is found by halving.
         ranges.sort_unstable();
         ranges.dedup_by(|next, kept| {
@@ -48,7 +48,7 @@ impl Set {
             }
             joins
         });
-        let mut set = Set { ranges, negated, ascii: 0 };
+        let mut set = CharSet { ranges, negated, ascii: 0 };
         set.ascii = (0..128u8).filter(|byte| set.lists(char::from(*byte))).fold(0, |bits, byte| bits | 1u128 << byte);
         set
     }
@@ -60,40 +60,40 @@ impl Set {
     }
 }
 
-impl Class {
+impl CharClass {
     #[inline]
     fn holds(&self, character: char) -> bool {
         match self {
-            Class::One(one) => *one == character,
-            Class::Any => true,
-            Class::Set(set) if character.is_ascii() => set.ascii >> (u32::from(character) & 127) & 1 != 0,
-            Class::Set(set) => set.lists(character),
+            CharClass::One(one) => *one == character,
+            CharClass::Any => true,
+            CharClass::Set(set) if character.is_ascii() => set.ascii >> (u32::from(character) & 127) & 1 != 0,
+            CharClass::Set(set) => set.lists(character),
         }
     }
 }
 
-impl Class {
+impl CharClass {
     /// Ranges that it holds.
     fn ranges(&self) -> usize {
-        if let Class::Set(set) = self { set.ranges.len() } else { 0 }
+        if let CharClass::Set(set) = self { set.ranges.len() } else { 0 }
     }
 }
 
-impl Step {
+impl PatternStep {
     /// Bytes that it takes besides itself.
     fn size(&self) -> usize {
         match self {
-            Step::One(class) | Step::Run(class, ..) => class.ranges() * 8,
+            PatternStep::One(class) | PatternStep::Run(class, ..) => class.ranges() * 8,
             _ => 0,
         }
     }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Step {
-    One(Class),
+enum PatternStep {
+    One(CharClass),
     /// Longest run of a class, giving back one by one.
-    Run(Class, u32, u32),
+    Run(CharClass, u32, u32),
     Reference(usize),
     Start,
     End,
@@ -112,18 +112,18 @@ enum Step {
 
 /// Memory of searches.
 #[derive(Debug, Default)]
-pub struct Memory(matcher::Memory);
+pub struct SearchMemory(matcher::MatcherMemory);
 
 /// A compiled expression.
 #[derive(Clone, Debug)]
-pub struct Pattern {
-    steps: Vec<Step>,
+pub struct TextPattern {
+    steps: Vec<PatternStep>,
     /// Places noted during a search: two for the whole and each group, one for each loop.
     slots: usize,
     /// Groups.
     groups: usize,
     /// The first characters of every match.
-    first: Option<Class>,
+    first: Option<CharClass>,
     anchored: bool,
 }
 
@@ -142,12 +142,12 @@ impl Match {
     }
 }
 
-impl Pattern {
+impl TextPattern {
     /// Compiles an expression.
     ///
     /// # Errors
     /// A malformed or oversized expression.
-    pub fn new(text: &str) -> Outcome<Pattern> {
+    pub fn new(text: &str) -> Outcome<TextPattern> {
         compile::compile(text)
     }
 
@@ -166,7 +166,7 @@ impl Pattern {
     ///
     /// # Errors
     /// The step budget is used up.
-    pub fn find_with(&self, text: &str, budget: &mut u64, memory: &mut Memory) -> Outcome<Option<Match>> {
+    pub fn find_with(&self, text: &str, budget: &mut u64, memory: &mut SearchMemory) -> Outcome<Option<Match>> {
         matcher::find_with(self, text, budget, memory)
     }
 
@@ -183,7 +183,7 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn find(&self, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
-        let mut search = matcher::Search::new(self, text);
+        let mut search = matcher::PatternSearch::new(self, text);
         Ok(search.find(from, budget)?.then_some(search.found))
     }
 

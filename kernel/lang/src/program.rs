@@ -2,15 +2,15 @@
 //!
 //! *Invariant:* an index of a macro, of a function or of a variable keeps its meaning when sources are added.
 
-use crate::bytecode::{Code, Shared};
-use crate::source::Source;
-use crate::value::Kind;
+use crate::bytecode::{CompiledMacro, SharedVariable};
+use crate::source::MacroSource;
+use crate::value::ValueType;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// Which names must be declared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Strong {
+pub enum DeclarationStrictness {
     /// None.
     #[default]
     Off,
@@ -22,7 +22,7 @@ pub enum Strong {
 
 /// Where a macro will run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Place {
+pub enum MacroRole {
     /// Where every command is possible, but under strong declaration nothing shared is declared.
     #[default]
     Any,
@@ -38,15 +38,15 @@ pub enum Place {
 
 /// How to compile.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
+pub struct CompileOptions {
     /// Strong declaration.
-    pub strong: Strong,
+    pub strong: DeclarationStrictness,
     /// Warn of variables that are read and never assigned.
     pub uninitialised: bool,
     /// Put trace instructions into the code.
     pub trace: bool,
     /// Kind of macro.
-    pub place: Place,
+    pub place: MacroRole,
     /// Declared GLOBAL variables belong to the object, because the macros are those of a component.
     pub globals_are_objects: bool,
 }
@@ -55,24 +55,24 @@ pub struct Options {
 #[derive(Clone, Debug)]
 pub(crate) struct FunctionSymbol {
     pub(crate) index: u16,
-    pub(crate) parameters: Vec<Option<Kind>>,
-    pub(crate) result: Option<Kind>,
+    pub(crate) parameters: Vec<Option<ValueType>>,
+    pub(crate) result: Option<ValueType>,
 }
 
 /// A shared variable as its users see it.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedSymbol {
-    pub(crate) shared: Shared,
-    pub(crate) kind: Option<Kind>,
+    pub(crate) shared: SharedVariable,
+    pub(crate) kind: Option<ValueType>,
     pub(crate) indices: usize,
     pub(crate) channel: bool,
 }
 
 /// Everything compiled so far; grows when sources are added.
 #[derive(Clone, Debug, Default)]
-pub struct Program {
+pub struct MacroProgram {
     /// Code by index; empty for macros with errors.
-    pub macros: Vec<Arc<Code>>,
+    pub macros: Vec<Arc<CompiledMacro>>,
     /// Number of variables in the object's store.
     pub objects: u32,
     /// Names of the global variables by index; the first hundred are `%G00` to `%G99`.
@@ -80,22 +80,22 @@ pub struct Program {
     pub(crate) functions: FxHashMap<String, FunctionSymbol>,
     pub(crate) shared: FxHashMap<String, SharedSymbol>,
     /// Files that were included, by the requested name.
-    pub(crate) included: Vec<(String, Option<Arc<Source>>)>,
+    pub(crate) included: Vec<(String, Option<Arc<MacroSource>>)>,
     /// Its source files, in order, without included files.
-    pub(crate) sources: Vec<(Arc<Source>, Options)>,
+    pub(crate) sources: Vec<(Arc<MacroSource>, CompileOptions)>,
 }
 
-impl Program {
+impl MacroProgram {
     /// A program without macros.
     #[must_use]
-    pub fn new() -> Program {
-        Program { globals: (0..100).map(|number| format!("%G{number:02}")).collect(), ..Program::default() }
+    pub fn new() -> MacroProgram {
+        MacroProgram { globals: (0..100).map(|number| format!("%G{number:02}")).collect(), ..MacroProgram::default() }
     }
 
     /// Name of a variable of the object's store.
     #[must_use]
     pub fn object_name(&self, index: u32) -> &str {
-        let named = |symbol: &SharedSymbol| symbol.shared == Shared::Object(index);
+        let named = |symbol: &SharedSymbol| symbol.shared == SharedVariable::Object(index);
         self.shared.iter().find(|(_, symbol)| named(symbol)).map_or("", |(name, _)| name)
     }
 
@@ -107,7 +107,7 @@ impl Program {
 
     /// A single GLOBAL or OBJECT variable that was declared, with its type.
     #[must_use]
-    pub fn shared_variable(&self, name: &str) -> Option<(Shared, Option<Kind>)> {
+    pub fn shared_variable(&self, name: &str) -> Option<(SharedVariable, Option<ValueType>)> {
         let symbol = self.shared.get(name).filter(|symbol| symbol.indices == 0 && !symbol.channel)?;
         Some((symbol.shared, symbol.kind))
     }

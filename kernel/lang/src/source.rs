@@ -21,7 +21,7 @@ impl Span {
 
 /// One file of macros.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct MacroSource {
     /// Name shown in diagnostics.
     pub name: String,
     /// Text, at most 4 GiB; the rest of longer text is left out.
@@ -29,10 +29,10 @@ pub struct Source {
     starts: Vec<u32>,
 }
 
-impl Source {
+impl MacroSource {
     /// Takes a text.
     #[must_use]
-    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> MacroSource {
         let mut text = text.into();
         if u32::try_from(text.len()).is_err() {
             let cut = text.floor_char_boundary(u32::MAX as usize);
@@ -40,13 +40,13 @@ impl Source {
         }
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let starts = std::iter::once(0).chain(ends.map(|(at, _)| u32::try_from(at + 1).unwrap_or(u32::MAX))).collect();
-        Source { name: name.into(), text, starts }
+        MacroSource { name: name.into(), text, starts }
     }
 
     /// Accepts any bytes. Bytes that are not UTF-8 are replaced and then refused by the lexer as a strange character.
     #[must_use]
-    pub fn from_bytes(name: impl Into<String>, bytes: &[u8]) -> Source {
-        Source::new(name, String::from_utf8_lossy(bytes))
+    pub fn from_bytes(name: impl Into<String>, bytes: &[u8]) -> MacroSource {
+        MacroSource::new(name, String::from_utf8_lossy(bytes))
     }
 
     /// Line (1-based) of an offset.
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn places_count_from_one_in_characters() {
-        let source = Source::new("m", "A=1\r\nÄ='é'\nB");
+        let source = MacroSource::new("m", "A=1\r\nÄ='é'\nB");
         assert_eq!(source.place(0), (1, 1));
         assert_eq!(source.place(5), (2, 1));
         assert_eq!(source.place(7), (2, 2));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A record name: class and subclass, `-1` standing for `*`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Record {
+pub struct RecordName {
     /// Class number, 2000 for major words.
     pub class: i32,
     /// Subclass number.
@@ -16,11 +16,11 @@ pub struct Record {
 
 /// Elements of a sequence. The pointer has no weak ones. So a write of an element, which has to ensure that it is the
 /// only owner, needs no locked operation of the processor.
-pub type Elements = triomphe::Arc<Vec<Value>>;
+pub type Elements = triomphe::Arc<Vec<MacroValue>>;
 
 /// One value.
 #[derive(Clone, Debug, Default)]
-pub enum Value {
+pub enum MacroValue {
     /// Never assigned: 0 in arithmetic, false in logic, a blank text where a text is wanted.
     #[default]
     Unset,
@@ -37,7 +37,7 @@ pub enum Value {
     /// Minor word by code.
     Keyword(i32),
     /// Major word or record name.
-    Record(Record),
+    Record(RecordName),
     /// Code identifier by the host's index, 0 = `CODE_NONE`.
     Code(u32),
     /// Data identifier by the host's index, 0 = `REG_NONE`.
@@ -52,11 +52,11 @@ pub struct Array {
     /// Sizes, first index first; row-major.
     pub sizes: Vec<u32>,
     /// Type of the elements.
-    pub kind: Option<Kind>,
+    pub kind: Option<ValueType>,
     /// Last dimension is the hidden channel dimension.
     pub channel: bool,
     /// Elements.
-    pub elements: Vec<Value>,
+    pub elements: Vec<MacroValue>,
 }
 
 impl Array {
@@ -79,7 +79,7 @@ impl Array {
 
 /// Type of a value as the language names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum ValueType {
     /// `REAL`
     Real,
     /// `LOGICAL`
@@ -98,88 +98,88 @@ pub enum Kind {
     Register,
 }
 
-impl Kind {
+impl ValueType {
     /// All types in the order of the reference.
-    pub const ALL: [Kind; 8] = [
-        Kind::Real,
-        Kind::Logical,
-        Kind::Text,
-        Kind::Sequence,
-        Kind::Keyword,
-        Kind::Record,
-        Kind::Code,
-        Kind::Register,
+    pub const ALL: [ValueType; 8] = [
+        ValueType::Real,
+        ValueType::Logical,
+        ValueType::Text,
+        ValueType::Sequence,
+        ValueType::Keyword,
+        ValueType::Record,
+        ValueType::Code,
+        ValueType::Register,
     ];
 
     /// Name of the type in a declaration.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Kind::Real => "REAL",
-            Kind::Logical => "LOGICAL",
-            Kind::Text => "STRING",
-            Kind::Sequence => "SEQUENCE",
-            Kind::Keyword => "KEYWORD",
-            Kind::Record => "RECORD",
-            Kind::Code => "CODE",
-            Kind::Register => "REG",
+            ValueType::Real => "REAL",
+            ValueType::Logical => "LOGICAL",
+            ValueType::Text => "STRING",
+            ValueType::Sequence => "SEQUENCE",
+            ValueType::Keyword => "KEYWORD",
+            ValueType::Record => "RECORD",
+            ValueType::Code => "CODE",
+            ValueType::Register => "REG",
         }
     }
 
     /// Type with this name, upper-case.
     #[must_use]
-    pub fn named(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    pub fn named(name: &str) -> Option<ValueType> {
+        ValueType::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Initial value of a declared variable of this type.
     #[must_use]
-    pub fn initial(self) -> Value {
+    pub fn initial(self) -> MacroValue {
         match self {
-            Kind::Real => Value::Real(0.0),
-            Kind::Logical => Value::Logical(false),
-            Kind::Text => Value::text(""),
-            Kind::Sequence => Value::sequence(Vec::new()),
-            Kind::Keyword => Value::Keyword(0),
-            Kind::Record => Value::Record(Record { class: 0, subclass: 0 }),
-            Kind::Code => Value::Code(0),
-            Kind::Register => Value::Register(0),
+            ValueType::Real => MacroValue::Real(0.0),
+            ValueType::Logical => MacroValue::Logical(false),
+            ValueType::Text => MacroValue::text(""),
+            ValueType::Sequence => MacroValue::sequence(Vec::new()),
+            ValueType::Keyword => MacroValue::Keyword(0),
+            ValueType::Record => MacroValue::Record(RecordName { class: 0, subclass: 0 }),
+            ValueType::Code => MacroValue::Code(0),
+            ValueType::Register => MacroValue::Register(0),
         }
     }
 }
 
-impl Value {
+impl MacroValue {
     /// A text value.
     #[must_use]
-    pub fn text(text: impl Into<String>) -> Value {
-        Value::Text(Arc::new(text.into()))
+    pub fn text(text: impl Into<String>) -> MacroValue {
+        MacroValue::Text(Arc::new(text.into()))
     }
 
     /// A sequence value; `elements` must hold no sequence.
     #[must_use]
-    pub fn sequence(elements: Vec<Value>) -> Value {
-        Value::Sequence(Elements::new(elements))
+    pub fn sequence(elements: Vec<MacroValue>) -> MacroValue {
+        MacroValue::Sequence(Elements::new(elements))
     }
 
     /// A sequence of numbers.
     #[must_use]
-    pub fn numbers(numbers: &[f64]) -> Value {
-        Value::sequence(numbers.iter().map(|&n| Value::Real(n)).collect())
+    pub fn numbers(numbers: &[f64]) -> MacroValue {
+        MacroValue::sequence(numbers.iter().map(|&n| MacroValue::Real(n)).collect())
     }
 
     /// Type, none for `$NULL`, unset and arrays.
     #[must_use]
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<ValueType> {
         match self {
-            Value::Unset | Value::Null | Value::Array(_) => None,
-            Value::Real(_) => Some(Kind::Real),
-            Value::Logical(_) => Some(Kind::Logical),
-            Value::Text(_) => Some(Kind::Text),
-            Value::Sequence(_) => Some(Kind::Sequence),
-            Value::Keyword(_) => Some(Kind::Keyword),
-            Value::Record(_) => Some(Kind::Record),
-            Value::Code(_) => Some(Kind::Code),
-            Value::Register(_) => Some(Kind::Register),
+            MacroValue::Unset | MacroValue::Null | MacroValue::Array(_) => None,
+            MacroValue::Real(_) => Some(ValueType::Real),
+            MacroValue::Logical(_) => Some(ValueType::Logical),
+            MacroValue::Text(_) => Some(ValueType::Text),
+            MacroValue::Sequence(_) => Some(ValueType::Sequence),
+            MacroValue::Keyword(_) => Some(ValueType::Keyword),
+            MacroValue::Record(_) => Some(ValueType::Record),
+            MacroValue::Code(_) => Some(ValueType::Code),
+            MacroValue::Register(_) => Some(ValueType::Register),
         }
     }
 
@@ -188,8 +188,8 @@ impl Value {
     pub fn kind_name(&self) -> &'static str {
         match (self, self.kind()) {
             (_, Some(kind)) => kind.name(),
-            (Value::Null, _) => "$NULL",
-            (Value::Array(_), _) => "an array",
+            (MacroValue::Null, _) => "$NULL",
+            (MacroValue::Array(_), _) => "an array",
             _ => "an unset value",
         }
     }
@@ -198,8 +198,8 @@ impl Value {
     #[must_use]
     pub fn as_real(&self) -> Option<f64> {
         match self {
-            Value::Real(number) => Some(*number),
-            Value::Unset => Some(0.0),
+            MacroValue::Real(number) => Some(*number),
+            MacroValue::Unset => Some(0.0),
             _ => None,
         }
     }
@@ -208,8 +208,8 @@ impl Value {
     #[must_use]
     pub fn as_logical(&self) -> Option<bool> {
         match self {
-            Value::Logical(truth) => Some(*truth),
-            Value::Unset => Some(false),
+            MacroValue::Logical(truth) => Some(*truth),
+            MacroValue::Unset => Some(false),
             _ => None,
         }
     }
@@ -218,50 +218,50 @@ impl Value {
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {
         match self {
-            Value::Text(text) => Some(text),
-            Value::Unset => Some(""),
+            MacroValue::Text(text) => Some(text),
+            MacroValue::Unset => Some(""),
             _ => None,
         }
     }
 
     /// Elements of a sequence.
     #[must_use]
-    pub fn as_sequence(&self) -> Option<&[Value]> {
+    pub fn as_sequence(&self) -> Option<&[MacroValue]> {
         match self {
-            Value::Sequence(elements) => Some(elements),
+            MacroValue::Sequence(elements) => Some(elements),
             _ => None,
         }
     }
 
     /// Equality inside one type; none when the types differ (`$NULL` may be compared with anything).
     #[must_use]
-    pub fn equals(&self, other: &Value) -> Option<bool> {
+    pub fn equals(&self, other: &MacroValue) -> Option<bool> {
         Some(match (self, other) {
-            (Value::Null, Value::Null) => true,
-            (Value::Null, _) | (_, Value::Null) => false,
-            (Value::Unset, Value::Unset) => true,
-            (Value::Real(a), Value::Real(b)) => a == b,
-            (Value::Logical(a), Value::Logical(b)) => a == b,
-            (Value::Text(a), Value::Text(b)) => padded(a, b).is_eq(),
-            (Value::Sequence(a), Value::Sequence(b)) => {
+            (MacroValue::Null, MacroValue::Null) => true,
+            (MacroValue::Null, _) | (_, MacroValue::Null) => false,
+            (MacroValue::Unset, MacroValue::Unset) => true,
+            (MacroValue::Real(a), MacroValue::Real(b)) => a == b,
+            (MacroValue::Logical(a), MacroValue::Logical(b)) => a == b,
+            (MacroValue::Text(a), MacroValue::Text(b)) => padded(a, b).is_eq(),
+            (MacroValue::Sequence(a), MacroValue::Sequence(b)) => {
                 a.len() == b.len() && a.iter().zip(b.iter()).all(|(x, y)| x.equals(y) == Some(true))
             }
-            (Value::Keyword(a), Value::Keyword(b)) => a == b,
-            (Value::Record(a), Value::Record(b)) => a == b,
-            (Value::Code(a), Value::Code(b)) | (Value::Register(a), Value::Register(b)) => a == b,
-            (Value::Unset, known) | (known, Value::Unset) => known.equals(&known.kind()?.initial())?,
+            (MacroValue::Keyword(a), MacroValue::Keyword(b)) => a == b,
+            (MacroValue::Record(a), MacroValue::Record(b)) => a == b,
+            (MacroValue::Code(a), MacroValue::Code(b)) | (MacroValue::Register(a), MacroValue::Register(b)) => a == b,
+            (MacroValue::Unset, known) | (known, MacroValue::Unset) => known.equals(&known.kind()?.initial())?,
             _ => return None,
         })
     }
 
     /// Order inside one type that has an order (numbers, texts, keywords).
     #[must_use]
-    pub fn order(&self, other: &Value) -> Option<std::cmp::Ordering> {
+    pub fn order(&self, other: &MacroValue) -> Option<std::cmp::Ordering> {
         match (self, other) {
-            (Value::Text(a), Value::Text(b)) => Some(padded(a, b)),
-            (Value::Text(a), Value::Unset) => Some(padded(a, "")),
-            (Value::Unset, Value::Text(b)) => Some(padded("", b)),
-            (Value::Keyword(a), Value::Keyword(b)) => Some(a.cmp(b)),
+            (MacroValue::Text(a), MacroValue::Text(b)) => Some(padded(a, b)),
+            (MacroValue::Text(a), MacroValue::Unset) => Some(padded(a, "")),
+            (MacroValue::Unset, MacroValue::Text(b)) => Some(padded("", b)),
+            (MacroValue::Keyword(a), MacroValue::Keyword(b)) => Some(a.cmp(b)),
             _ => self.as_real()?.partial_cmp(&other.as_real()?),
         }
     }
@@ -291,28 +291,28 @@ mod tests {
 
     #[test]
     fn a_value_is_two_words() {
-        assert_eq!(std::mem::size_of::<Value>(), 16);
+        assert_eq!(std::mem::size_of::<MacroValue>(), 16);
     }
 
     #[test]
     fn null_equals_nothing_but_itself_and_unset_acts_as_the_other_side() {
-        assert_eq!(Value::Null.equals(&Value::Real(0.0)), Some(false));
-        assert_eq!(Value::Null.equals(&Value::Null), Some(true));
-        assert_eq!(Value::Unset.equals(&Value::Real(0.0)), Some(true));
-        assert_eq!(Value::Unset.equals(&Value::Logical(true)), Some(false));
-        assert_eq!(Value::text("a").equals(&Value::Real(0.0)), None);
+        assert_eq!(MacroValue::Null.equals(&MacroValue::Real(0.0)), Some(false));
+        assert_eq!(MacroValue::Null.equals(&MacroValue::Null), Some(true));
+        assert_eq!(MacroValue::Unset.equals(&MacroValue::Real(0.0)), Some(true));
+        assert_eq!(MacroValue::Unset.equals(&MacroValue::Logical(true)), Some(false));
+        assert_eq!(MacroValue::text("a").equals(&MacroValue::Real(0.0)), None);
     }
 
     #[test]
     fn texts_compare_as_if_padded() {
-        assert_eq!(Value::text("").equals(&Value::text(" ")), Some(true));
+        assert_eq!(MacroValue::text("").equals(&MacroValue::text(" ")), Some(true));
         assert!(padded("A", "A B").is_lt());
         assert!(padded("a", "A").is_gt());
     }
 
     #[test]
     fn arrays_are_row_major_and_checked() {
-        let array = Array { sizes: vec![2, 3], kind: None, channel: false, elements: vec![Value::Null; 6] };
+        let array = Array { sizes: vec![2, 3], kind: None, channel: false, elements: vec![MacroValue::Null; 6] };
         assert_eq!(array.position(&[1, 3]), Some(2));
         assert_eq!(array.position(&[2, 1]), Some(3));
         assert_eq!(array.position(&[0, 1]), None);

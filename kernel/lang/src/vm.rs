@@ -16,20 +16,20 @@ mod step;
 mod units;
 mod weigh;
 
-pub use crate::state::{Limits, Scale, State, range, sequence_of};
+pub use crate::state::{MacroLimits, MacroState, MemoryTally, range, sequence_of};
 
-use crate::bytecode::Code;
-use crate::diag::Diagnostic;
-use crate::fault::Fault;
-use crate::host::{Host, Macro};
+use crate::bytecode::CompiledMacro;
+use crate::diag::MacroDiagnostic;
+use crate::fault::MacroFault;
+use crate::host::{MacroHost, TracedMacro};
 use crate::layout::standard_line;
-use crate::program::Program;
+use crate::program::MacroProgram;
 use crate::source::Span;
-use crate::value::Value;
+use crate::value::MacroValue;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum MacroEnd {
     /// At its end or at TERMAC.
     Normal,
     /// By an error in the macro.
@@ -39,7 +39,7 @@ pub enum End {
 }
 
 /// Reports the notes of functions and commands.
-fn report_notes(code: &Code, place: Span, state: &mut State, host: &mut dyn Host) {
+fn report_notes(code: &CompiledMacro, place: Span, state: &mut MacroState, host: &mut dyn MacroHost) {
     for fault in std::mem::take(&mut state.notes) {
         let severity = fault.number.severity().min(4);
         report(code, place, fault, severity, state, host);
@@ -48,13 +48,13 @@ fn report_notes(code: &Code, place: Span, state: &mut State, host: &mut dyn Host
 
 /// Runs a macro. `arguments` become `$P1`, `$P2` … and hold their last values afterwards.
 pub fn run(
-    program: &Program,
-    state: &mut State,
-    host: &mut dyn Host,
+    program: &MacroProgram,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
     index: u16,
-    arguments: &mut [Value],
-) -> (End, Value) {
-    let Some(code) = program.macros.get(usize::from(index)) else { return (End::Error, Value::Null) };
+    arguments: &mut [MacroValue],
+) -> (MacroEnd, MacroValue) {
+    let Some(code) = program.macros.get(usize::from(index)) else { return (MacroEnd::Error, MacroValue::Null) };
     if state.depth == 0 {
         state.ticks = state.limits.ticks;
     }
@@ -64,12 +64,19 @@ pub fn run(
 }
 
 /// Writes the pending output of open units and closes them.
-pub fn close_all(state: &mut State, host: &mut dyn Host) {
+pub fn close_all(state: &mut MacroState, host: &mut dyn MacroHost) {
     units::close_all(state, host);
 }
 
-fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut State, host: &mut dyn Host) {
-    let mut diagnostic = Diagnostic::new(&code.source, place, fault.number, fault.message);
+fn report(
+    code: &CompiledMacro,
+    place: Span,
+    fault: MacroFault,
+    severity: u8,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+) {
+    let mut diagnostic = MacroDiagnostic::new(&code.source, place, fault.number, fault.message);
     diagnostic.severity = severity;
     diagnostic.macro_name = Some(code.name.clone());
     diagnostic.in_function = code.signature.is_function;
@@ -79,6 +86,6 @@ fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut Stat
 }
 
 /// A macro as the trace names it.
-fn shown(code: &Code) -> Macro<'_> {
-    Macro { name: &code.name, is_function: code.signature.is_function }
+fn shown(code: &CompiledMacro) -> TracedMacro<'_> {
+    TracedMacro { name: &code.name, is_function: code.signature.is_function }
 }

@@ -1,14 +1,14 @@
 //! Any input gives errors or a program, never a panic; formats and expressions come back as they went in.
 
 use counterpoint_lang::bytecode::fast::Fast;
-use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::diag::{Diagnostic, Number};
-use counterpoint_lang::format::{Format, read, wildcard_text, write};
-use counterpoint_lang::layout::{self, Style};
-use counterpoint_lang::pattern::Pattern;
-use counterpoint_lang::source::Source;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, MacroProgram};
+use counterpoint_lang::diag::{DiagnosticNumber, MacroDiagnostic};
+use counterpoint_lang::format::{StringFormat, read, wildcard_text, write};
+use counterpoint_lang::layout::{self, SourceStyle};
+use counterpoint_lang::pattern::TextPattern;
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{self, MacroEnd, MacroLimits, MacroState};
 use counterpoint_lang_standalone::{Standalone, check};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -213,26 +213,27 @@ fn numbers() -> impl Strategy<Value = String> {
 /// Everything that can be seen of a run.
 #[derive(Debug, PartialEq)]
 struct Seen {
-    ends: Vec<End>,
+    ends: Vec<MacroEnd>,
     arguments: String,
     ticks: u64,
     printed: Vec<String>,
     traced: Vec<String>,
-    diagnostics: Vec<Diagnostic>,
+    diagnostics: Vec<MacroDiagnostic>,
 }
 
-fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("any", text), options);
+fn run(text: &str, options: CompileOptions, short_forms: bool) -> Option<Seen> {
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+    let added = compile::add(&mut program, &mut host, MacroSource::new("any", text), options);
     if added.has_errors() {
         return None;
     }
     if !short_forms {
         program.macros.iter_mut().for_each(|code| Arc::make_mut(code).short.forms.fill(Fast::None));
     }
-    let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3, ..Limits::default() };
-    let mut state = State::new(limits);
-    let mut arguments = [Value::Real(1.0)];
+    let limits =
+        MacroLimits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3, ..MacroLimits::default() };
+    let mut state = MacroState::new(limits);
+    let mut arguments = [MacroValue::Real(1.0)];
     let ends = added.macros.iter().map(|index| vm::run(&program, &mut state, &mut host, *index, &mut arguments).0);
     let ends = ends.collect();
     vm::close_all(&mut state, &mut host);
@@ -249,7 +250,7 @@ fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
 /// Runs a text with and without short forms of instructions, which must make no difference.
 fn execute(text: &str) {
     for trace in [false, true] {
-        let options = Options { uninitialised: true, trace, ..Options::default() };
+        let options = CompileOptions { uninitialised: true, trace, ..CompileOptions::default() };
         assert_eq!(run(text, options, true), run(text, options, false), "{text}");
     }
 }
@@ -259,7 +260,7 @@ proptest! {
 
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let source = Source::from_bytes("any", &bytes);
+        let source = MacroSource::from_bytes("any", &bytes);
         execute(&source.text);
     }
 
@@ -278,13 +279,13 @@ proptest! {
 
     #[test]
     fn any_numbers(text in numbers()) {
-        prop_assert!(run(&text, Options::default(), true).is_some(), "{text}");
+        prop_assert!(run(&text, CompileOptions::default(), true).is_some(), "{text}");
         execute(&text);
     }
 
     #[test]
     fn formatting_twice_is_formatting_once(text in soup()) {
-        for style in [Style::Standard, Style::C] {
+        for style in [SourceStyle::Standard, SourceStyle::C] {
             if let Ok(once) = layout::format(&text, style) {
                 let twice = layout::format(&once, style);
                 prop_assert_eq!(twice.ok(), Some(once));
@@ -295,11 +296,11 @@ proptest! {
     #[test]
     fn any_format(format in "[-!(^)VFXsef.:0-9ATLMR*@#+ a]{0,20}", number in any::<f64>(), line in ".{0,20}") {
         let mut host = Standalone::new();
-        if let Ok(format) = Format::output(&format) {
-            let values = vec![Value::Real(number); format.arguments];
+        if let Ok(format) = StringFormat::output(&format) {
+            let values = vec![MacroValue::Real(number); format.arguments];
             let _ = write(&mut String::new(), &format, &values, &mut host);
         }
-        if let Ok(format) = Format::input(&format) {
+        if let Ok(format) = StringFormat::input(&format) {
             let (values, _) = read(&format, &line);
             prop_assert_eq!(values.len(), format.arguments);
         }
@@ -310,7 +311,7 @@ proptest! {
         let number = thousandths as f64 / 1000.0;
         let text = wildcard_text(number);
         prop_assert_eq!(text.parse::<f64>().unwrap_or(0.0), number);
-        let format = Format::input("!(*)").unwrap();
+        let format = StringFormat::input("!(*)").unwrap();
         let (values, good) = read(&format, &text);
         prop_assert!(good);
         prop_assert_eq!(values[0].as_real(), Some(number));
@@ -318,10 +319,10 @@ proptest! {
 
     #[test]
     fn any_pattern(pattern in "[ab.*^$\\\\(){}<>1-3,\\[\\]-]{0,20}", text in "[ab]{0,40}") {
-        if let Ok(pattern) = Pattern::new(&pattern) {
+        if let Ok(pattern) = TextPattern::new(&pattern) {
             for result in [pattern.replace(&text, "<\\1>", 0).map(|_| ()), pattern.split(&text, 0).map(|_| ())] {
                 if let Err(fault) = result {
-                    prop_assert_eq!(fault.number, Number::BACKTRACKING);
+                    prop_assert_eq!(fault.number, DiagnosticNumber::BACKTRACKING);
                 }
             }
         }
@@ -329,7 +330,7 @@ proptest! {
 
     #[test]
     fn plain_text_matches_itself(text in "[a-zA-Z0-9 ()+?|<>{}]{1,20}") {
-        let pattern = Pattern::new(&text).unwrap();
+        let pattern = TextPattern::new(&text).unwrap();
         prop_assert_eq!(pattern.nth(&text, None, 1).unwrap(), Some(text));
     }
 }
@@ -352,6 +353,6 @@ fn reading_takes_linear_time() {
 fn deep_nesting_is_refused_with_a_number() {
     let deep = "IF/.TRUE.\n".repeat(5000);
     let diagnostics = check(&deep, "deep");
-    assert!(diagnostics.iter().any(|diagnostic| diagnostic.number == Number::TOO_DEEP));
+    assert!(diagnostics.iter().any(|diagnostic| diagnostic.number == DiagnosticNumber::TOO_DEEP));
     assert!(diagnostics.len() <= 201);
 }

@@ -1,25 +1,25 @@
 //! Macros that do as much as they can: every step pays for the data it touches, and no macro keeps more than its limit.
 
-use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::source::Source;
-use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, MacroProgram};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::vm::{self, MacroEnd, MacroLimits, MacroState};
 use counterpoint_lang_standalone::Standalone;
 
 struct Seen {
-    end: End,
-    numbers: Vec<Number>,
+    end: MacroEnd,
+    numbers: Vec<DiagnosticNumber>,
     texts: Vec<String>,
     ticks: u64,
     /// Value of the first OBJECT variable.
     turns: f64,
 }
 
-fn run(text: &str, limits: Limits) -> Seen {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("hostile", text), Options::default());
+fn run(text: &str, limits: MacroLimits) -> Seen {
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+    let added = compile::add(&mut program, &mut host, MacroSource::new("hostile", text), CompileOptions::default());
     assert!(!added.has_errors(), "{text}\n{:?}", added.diagnostics);
-    let mut state = State::new(limits);
+    let mut state = MacroState::new(limits);
     let index = added.macros.last().copied().unwrap_or(0);
     let (end, _) = vm::run(&program, &mut state, &mut host, index, &mut []);
     Seen {
@@ -75,10 +75,16 @@ const TEXT: &str = "T='0123456789'\nDO/I=1,13\nT=T//T\nENDOF/DO";
 fn every_step_pays_for_what_it_touches() {
     for (name, before, body, touched) in ENDLESS {
         let text = format!("DECLAR/OBJECT,REAL,N\n{before}\nWHILE/1.EQ.1\nN=N+1\n{body}\nENDOF/WHILE\n");
-        let limits = Limits { ticks: 200_000, ..Limits::default() };
+        let limits = MacroLimits { ticks: 200_000, ..MacroLimits::default() };
         let seen = run(&text, limits);
-        assert_eq!((&seen.end, seen.ticks), (&End::Budget, 200_000), "{name}: {:?} {:?}", seen.numbers, seen.texts);
-        assert!(seen.numbers.contains(&Number::TICKS), "{name}: {:?} {:?}", seen.numbers, seen.texts);
+        assert_eq!(
+            (&seen.end, seen.ticks),
+            (&MacroEnd::Budget, 200_000),
+            "{name}: {:?} {:?}",
+            seen.numbers,
+            seen.texts
+        );
+        assert!(seen.numbers.contains(&DiagnosticNumber::TICKS), "{name}: {:?} {:?}", seen.numbers, seen.texts);
         let share = seen.turns * f64::from(*touched) / 200_000.0;
         assert!(share <= 400.0, "{name}: {share} bytes for a tick, {} turns", seen.turns);
     }
@@ -116,10 +122,10 @@ const GREEDY: &[(&str, &str)] = &[
 #[test]
 fn no_macro_keeps_more_than_it_may() {
     for (name, text) in GREEDY {
-        let limits = Limits { memory: 32 << 20, ..Limits::default() };
+        let limits = MacroLimits { memory: 32 << 20, ..MacroLimits::default() };
         let seen = run(text, limits);
-        assert_eq!(seen.end, End::Budget, "{name}: {:?}", seen.texts);
-        assert!(seen.numbers.contains(&Number::MEMORY), "{name}: {:?} {:?}", seen.numbers, seen.texts);
+        assert_eq!(seen.end, MacroEnd::Budget, "{name}: {:?}", seen.texts);
+        assert!(seen.numbers.contains(&DiagnosticNumber::MEMORY), "{name}: {:?} {:?}", seen.numbers, seen.texts);
     }
     // The result of one step comes on top: a million elements, or their texts.
     assert!(peak().is_none_or(|bytes| bytes < 256 << 20), "{:?} bytes", peak());
@@ -127,9 +133,9 @@ fn no_macro_keeps_more_than_it_may() {
 
 #[test]
 fn garbage_is_not_counted_and_the_largest_holder_is_named() {
-    let limits = Limits { memory: 4 << 20, ..Limits::default() };
+    let limits = MacroLimits { memory: 4 << 20, ..MacroLimits::default() };
     let text = "T='0123456789'\nDO/I=1,12\nT=T//T\nENDOF/DO\nDO/I=1,2000\nB=T//'x'\nENDOF/DO";
-    assert_eq!(run(text, limits).end, End::Normal, "80 MB came and went");
+    assert_eq!(run(text, limits).end, MacroEnd::Normal, "80 MB came and went");
     let seen = run(
         "T='0123456789'\nDO/I=1,8\nT=T//T\nENDOF/DO\nDECLAR/OBJECT,SEQUENCE,HOARD\nDO/I=1,100000\nHOARD+=T//'x'\nENDOF/DO",
         limits,

@@ -1,37 +1,37 @@
 //! Required behaviour of the machine that runs macros, on every path.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::source::Source;
-use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, MacroProgram};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::vm::{self, MacroEnd, MacroLimits, MacroState};
 use counterpoint_lang_standalone::Standalone;
 
-fn run(text: &str, limits: Limits) -> (Standalone, End) {
-    run_with(text, limits, Options::default())
+fn run(text: &str, limits: MacroLimits) -> (Standalone, MacroEnd) {
+    run_with(text, limits, CompileOptions::default())
 }
 
-fn run_with(text: &str, limits: Limits, options: Options) -> (Standalone, End) {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("m", text), options);
+fn run_with(text: &str, limits: MacroLimits, options: CompileOptions) -> (Standalone, MacroEnd) {
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+    let added = compile::add(&mut program, &mut host, MacroSource::new("m", text), options);
     assert_eq!(added.diagnostics, [], "{text}");
-    let mut state = State::new(limits);
+    let mut state = MacroState::new(limits);
     let (end, _) = vm::run(&program, &mut state, &mut host, *added.macros.last().unwrap(), &mut []);
     assert_eq!(state.depth, 0, "every macro that is entered is left");
     (host, end)
 }
 
-fn first(text: &str) -> Number {
-    run(text, Limits::default()).0.output.diagnostics.first().unwrap().number
+fn first(text: &str) -> DiagnosticNumber {
+    run(text, MacroLimits::default()).0.output.diagnostics.first().unwrap().number
 }
 
 #[test]
 fn an_index_beyond_every_whole_number_is_outside() {
     for index in ["-(10**300)", "10**300", "0", ".9", "2"] {
-        assert_eq!(first(&format!("Q={{7}}\nA=Q({index})")), Number::OUT_OF_RANGE, "{index}");
-        assert_eq!(first(&format!("Q={{7}}\nQ({index})=1")), Number::OUT_OF_RANGE, "{index}");
-        assert_eq!(first(&format!("DECLAR/REAL,A(1)\nA({index})+=1")), Number::OUT_OF_RANGE, "{index}");
-        assert_eq!(first(&format!("A='x'\nB=A({index})")), Number::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("Q={{7}}\nA=Q({index})")), DiagnosticNumber::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("Q={{7}}\nQ({index})=1")), DiagnosticNumber::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("DECLAR/REAL,A(1)\nA({index})+=1")), DiagnosticNumber::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("A='x'\nB=A({index})")), DiagnosticNumber::OUT_OF_RANGE, "{index}");
     }
 }
 
@@ -45,7 +45,7 @@ fn a_number_that_does_not_exist_is_never_stored() {
         "A=0\nB=1\nB/=A",
         "A=10**308\nDO/I=A,A*1.5,A\nENDOF/DO",
     ] {
-        assert_eq!(first(text), Number::BAD_ARITHMETIC, "{text}");
+        assert_eq!(first(text), DiagnosticNumber::BAD_ARITHMETIC, "{text}");
     }
 }
 
@@ -53,34 +53,37 @@ fn a_number_that_does_not_exist_is_never_stored() {
 fn registers_beyond_the_window_work_alike() {
     let mut text: String = (0..400).map(|name| format!("V{name}={name}.5\n")).collect();
     text += "S=0\nDECLAR/REAL,A(3)\nDO/I=1,3\nA(I)=A(I)+V399*2-V0\nS=S+A(I)*I-V399/2\nENDOF/DO\nPPRINT/'!(*)',S";
-    let (host, end) = run(&text, Limits::default());
+    let (host, end) = run(&text, MacroLimits::default());
     let sum: f64 = (1..=3).map(|i| 798.5 * f64::from(i) - 199.75).sum();
-    assert_eq!((end, host.output.printed), (End::Normal, vec![format!("{sum}")]));
+    assert_eq!((end, host.output.printed), (MacroEnd::Normal, vec![format!("{sum}")]));
 }
 
 #[test]
 fn a_fault_ends_the_function_and_its_caller_goes_on() {
     let text = "MACRO/F(X)\nF=1\nF=1/X\nF=2\nENDMAC\nA=F(0)\nPPRINT/'!(*)',A";
-    let (host, end) = run(text, Limits::default());
-    assert_eq!((end, host.output.printed), (End::Normal, vec!["1".to_owned()]));
+    let (host, end) = run(text, MacroLimits::default());
+    assert_eq!((end, host.output.printed), (MacroEnd::Normal, vec!["1".to_owned()]));
     let fault = host.output.diagnostics.first().unwrap();
-    assert_eq!((fault.number, fault.line, fault.macro_name.as_deref()), (Number::BAD_ARITHMETIC, 3, Some("F")));
+    assert_eq!(
+        (fault.number, fault.line, fault.macro_name.as_deref()),
+        (DiagnosticNumber::BAD_ARITHMETIC, 3, Some("F"))
+    );
 }
 
 #[test]
 fn depth_and_ticks_are_limited_through_calls() {
     let chain: String = (1..40).map(|n| format!("MACRO/F{n}(X)\nF{n}=F{}(X+1)\nENDMAC\n", n - 1)).collect();
     let text = format!("MACRO/F0(X)\nF0=X\nENDMAC\n{chain}A=F39(0)\nPPRINT/'!(*)',A");
-    let (host, end) = run(&text, Limits::default());
-    assert_eq!((end, host.output.printed), (End::Normal, vec!["39".to_owned()]));
-    let (host, _) = run(&text, Limits { depth: 20, ..Limits::default() });
-    assert_eq!(host.output.diagnostics.first().unwrap().number, Number::DEPTH);
-    let (host, end) = run(&text, Limits { ticks: 100, ..Limits::default() });
-    assert_eq!((end, host.output.diagnostics.first().unwrap().number), (End::Budget, Number::TICKS));
+    let (host, end) = run(&text, MacroLimits::default());
+    assert_eq!((end, host.output.printed), (MacroEnd::Normal, vec!["39".to_owned()]));
+    let (host, _) = run(&text, MacroLimits { depth: 20, ..MacroLimits::default() });
+    assert_eq!(host.output.diagnostics.first().unwrap().number, DiagnosticNumber::DEPTH);
+    let (host, end) = run(&text, MacroLimits { ticks: 100, ..MacroLimits::default() });
+    assert_eq!((end, host.output.diagnostics.first().unwrap().number), (MacroEnd::Budget, DiagnosticNumber::TICKS));
     assert!(host.output.printed.is_empty());
     let endless = "MACRO/F(X)\nF=X\nWHILE/X.EQ.X\nENDOF/WHILE\nENDMAC\nA=F(1)\nPPRINT/'after'";
-    let (host, end) = run(endless, Limits { ticks: 10_000, ..Limits::default() });
-    assert_eq!((end, host.output.printed.len()), (End::Budget, 0));
+    let (host, end) = run(endless, MacroLimits { ticks: 10_000, ..MacroLimits::default() });
+    assert_eq!((end, host.output.printed.len()), (MacroEnd::Budget, 0));
 }
 
 /// The visible results of a run: its end, its printed lines and reports, and the steps that it cost. Any budget ends at
@@ -91,22 +94,22 @@ fn a_trace_costs_no_steps() {
         S=''\nI=0\nWHILE/.TRUE.\nI=I+1\nIF/$FMOD(I,3).EQ.0\nA=F(I)\nB=$FSWRIT('!(*)',A)\nELSE\nB=$FMAX(I,2)\nENDOF/IF\n\
         REPEAT\nB='x'\nUNTIL/I.GT.0\nDO/J=1,I\nEXIT\nENDOF/DO\nPPRINT/'!(*)',I\nENDOF/WHILE";
     for ticks in (100..1500).step_by(7) {
-        let limits = Limits { ticks, ..Limits::default() };
+        let limits = MacroLimits { ticks, ..MacroLimits::default() };
         let (plain, end) = run(text, limits);
-        let (traced, traced_end) = run_with(text, limits, Options { trace: true, ..Options::default() });
+        let (traced, traced_end) = run_with(text, limits, CompileOptions { trace: true, ..CompileOptions::default() });
         assert_eq!((end, plain.output.printed), (traced_end, traced.output.printed), "{ticks} ticks");
         assert_eq!(plain.output.diagnostics, traced.output.diagnostics, "{ticks} ticks");
     }
 }
 
-fn seen(text: &str, limits: Limits) -> (End, Vec<String>, Vec<String>, u64) {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+fn seen(text: &str, limits: MacroLimits) -> (MacroEnd, Vec<String>, Vec<String>, u64) {
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+    let added = compile::add(&mut program, &mut host, MacroSource::new("m", text), CompileOptions::default());
     assert!(!added.has_errors(), "{text}: {:?}", added.diagnostics);
-    let mut state = State::new(limits);
+    let mut state = MacroState::new(limits);
     let (end, _) = vm::run(&program, &mut state, &mut host, *added.macros.last().unwrap(), &mut []);
     assert_eq!(state.depth, 0, "every macro that is entered is left");
-    let reported = |one: &counterpoint_lang::diag::Diagnostic| {
+    let reported = |one: &counterpoint_lang::diag::MacroDiagnostic| {
         format!("{:?} {:?} {:?} {}", one.number, one.macro_name, one.statement, one.message)
     };
     let reported = host.output.diagnostics.iter().map(reported).collect();
@@ -161,9 +164,9 @@ fn a_small_function_does_what_a_large_one_does() {
             if !compiles(&small) {
                 continue;
             }
-            let depth = Limits { depth: 1, ..Limits::default() };
-            let tight = (0..30).map(|ticks| Limits { ticks, ..Limits::default() });
-            for limits in [Limits::default(), depth].into_iter().chain(tight) {
+            let depth = MacroLimits { depth: 1, ..MacroLimits::default() };
+            let tight = (0..30).map(|ticks| MacroLimits { ticks, ..MacroLimits::default() });
+            for limits in [MacroLimits::default(), depth].into_iter().chain(tight) {
                 assert_eq!(seen(&small, limits), seen(&large, limits), "{small}\n{limits:?}");
                 compared += 1;
             }
@@ -173,7 +176,7 @@ fn a_small_function_does_what_a_large_one_does() {
 }
 
 fn compiles(text: &str) -> bool {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
+    let added = compile::add(&mut program, &mut host, MacroSource::new("m", text), CompileOptions::default());
     !added.has_errors()
 }

@@ -5,16 +5,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used, reason = "helpers of tests")]
 
-use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
-use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::compile::{self, CompileOptions, DeclarationStrictness, MacroProgram, MacroRole};
+use counterpoint_lang::diag::MacroDiagnostic;
 use counterpoint_lang::func;
 use counterpoint_lang::host::SystemVariable;
-use counterpoint_lang::layout::{self, Style};
+use counterpoint_lang::layout::{self, SourceStyle};
 use counterpoint_lang::parse;
-use counterpoint_lang::source::Source;
-use counterpoint_lang::value::{Kind, Value};
-use counterpoint_lang::vm::{self, Limits, State};
-use counterpoint_lang_standalone::{Answer, Domain, Standalone};
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::value::{MacroValue, ValueType};
+use counterpoint_lang::vm::{self, MacroLimits, MacroState};
+use counterpoint_lang_standalone::{Domain, PreparedAnswer, Standalone};
 use counterpoint_mdspec::{Check, Example, Fences, Role, Suite, counted, severity_name};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -44,15 +44,16 @@ fn words(example: &Example) -> &str {
     example.fence("macro").map_or("", |fence| &fence.words)
 }
 
-fn options(example: &Example) -> Options {
-    let mut options = Options { uninitialised: true, trace: example.fence("trace").is_some(), ..Options::default() };
+fn options(example: &Example) -> CompileOptions {
+    let mut options =
+        CompileOptions { uninitialised: true, trace: example.fence("trace").is_some(), ..CompileOptions::default() };
     for word in words(example).split_whitespace() {
         match word {
-            "partial" => options.strong = Strong::Partial,
-            "full" => options.strong = Strong::Full,
-            "declaration" => options.place = Place::Declaration,
-            "data" => options.place = Place::Data,
-            "startup" => options.place = Place::Startup,
+            "partial" => options.strong = DeclarationStrictness::Partial,
+            "full" => options.strong = DeclarationStrictness::Full,
+            "declaration" => options.place = MacroRole::Declaration,
+            "data" => options.place = MacroRole::Data,
+            "startup" => options.place = MacroRole::Startup,
             "channel=2" => {}
             _ => panic!("line {}: '{word}' after 'macro' means nothing", example.line),
         }
@@ -63,11 +64,11 @@ fn options(example: &Example) -> Options {
 /// The double with everything a block gives it.
 fn host(example: &Example) -> Standalone {
     let mut host = Standalone::new();
-    host.variable("$TAPEN", Some(Kind::Text), false);
+    host.variable("$TAPEN", Some(ValueType::Text), false);
     let table = SystemVariable { name: "$TLTAB".to_owned(), kind: None, writable: true, indices: 2 };
     let domain = Domain { indices: vec![Some(9), Some(20)], ..Domain::default() };
-    host.system_variable(table, Value::Null, domain);
-    host.set_system("$TAPEN", Value::text("jobs/flange.nc"));
+    host.system_variable(table, MacroValue::Null, domain);
+    host.set_system("$TAPEN", MacroValue::text("jobs/flange.nc"));
     host.group("CODE_RAPID", 1);
     host.group("CODE_INTERP_LINEAR", 1);
     for fence in &example.fences {
@@ -96,7 +97,7 @@ fn host(example: &Example) -> Standalone {
                 let button = parts.next().unwrap_or("OK").to_owned();
                 let values = parts.filter_map(|part| part.split_once('='));
                 let values = values.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
-                host.answer(name, Answer { button, values });
+                host.answer(name, PreparedAnswer { button, values });
             }),
             "file" => drop(host.disk.files.insert(fence.words.clone(), text.clone())),
             _ => {}
@@ -105,26 +106,26 @@ fn host(example: &Example) -> Standalone {
     host
 }
 
-fn number_or_text(text: &str) -> Value {
-    text.parse().map_or_else(|_| Value::text(text), Value::Real)
+fn number_or_text(text: &str) -> MacroValue {
+    text.parse().map_or_else(|_| MacroValue::text(text), MacroValue::Real)
 }
 
 /// The output of a macro.
 struct Found {
     /// By kind of fence.
     texts: BTreeMap<&'static str, String>,
-    diagnostics: Vec<Diagnostic>,
+    diagnostics: Vec<MacroDiagnostic>,
 }
 
 /// Runs the text with everything that the example gives it.
 fn run(example: &Example, text: &str) -> Found {
     let options = options(example);
-    let (mut program, mut host) = (Program::new(), host(example));
-    let added = compile::add(&mut program, &mut host, Source::new("page", text), options);
+    let (mut program, mut host) = (MacroProgram::new(), host(example));
+    let added = compile::add(&mut program, &mut host, MacroSource::new("page", text), options);
     let mut diagnostics = added.diagnostics.clone();
     if !added.has_errors() {
-        let limits = Limits { ticks: 1_000_000, ..Limits::default() };
-        let mut state = State::new(limits);
+        let limits = MacroLimits { ticks: 1_000_000, ..MacroLimits::default() };
+        let mut state = MacroState::new(limits);
         if words(example).contains("channel=2") {
             (state.channel, state.channels) = (2, 2);
         }
@@ -145,8 +146,8 @@ fn run(example: &Example, text: &str) -> Found {
         ("commands", joined(&host.output.commands)),
         ("messages", messages),
         ("trace", joined(&host.output.traced)),
-        ("standard", styled(Style::Standard)),
-        ("c", styled(Style::C)),
+        ("standard", styled(SourceStyle::Standard)),
+        ("c", styled(SourceStyle::C)),
     ]);
     Found { texts, diagnostics }
 }
@@ -179,7 +180,7 @@ fn check(example: &Example, check: &mut Check<'_>) {
 /// Both styles are stable, and the effect of the macro stays the same.
 fn formatted(example: &Example) -> Result<(), String> {
     let text = example.text("macro");
-    for style in [Style::Standard, Style::C] {
+    for style in [SourceStyle::Standard, SourceStyle::C] {
         let Ok(once) = layout::format(text, style) else { continue };
         let twice = layout::format(&once, style).unwrap_or_default();
         let (before, after) = (run(example, text), run(example, &once));

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 7.5.
 
-use counterpoint_fault::Facts;
+use counterpoint_fault::DiagnosticFacts;
 
 use crate::model::{DiagnosticRule, Diagnostics, Machine};
 
@@ -79,13 +79,13 @@ impl Diagnostics {
 impl Machine {
     /// Whether a diagnostic is an alarm of real controls, or of the control of this machine.
     #[must_use]
-    pub fn is_alarm(&self, facts: &Facts) -> bool {
+    pub fn is_alarm(&self, facts: &DiagnosticFacts) -> bool {
         facts.alarm || self.diagnostics.is_alarm(facts.number)
     }
 
     /// Whether the channel stops at a diagnostic.
     #[must_use]
-    pub fn stops_at(&self, facts: &Facts) -> bool {
+    pub fn stops_at(&self, facts: &DiagnosticFacts) -> bool {
         self.diagnostics.stops(facts.number).unwrap_or_else(|| self.habits.stops && self.is_alarm(facts))
     }
 }

@@ -29,7 +29,7 @@ pub struct Habits {
     /// A code of a reference point without axes sends all axes there.
     pub bare_home: bool,
     /// How a dwell tells its time.
-    pub dwell: Dwell,
+    pub dwell: DwellRules,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
     /// Sums at addresses need no brackets: `X#1+.1`.
@@ -122,7 +122,7 @@ pub enum Forbidden {
 
 /// How a dwell tells its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Dwell {
+pub struct DwellRules {
     /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
     pub pointed: bool,
     /// A dwell without a time is an exact stop.
@@ -191,7 +191,7 @@ impl Default for Habits {
             full_angles: false,
             brackets: None,
             bare_home: false,
-            dwell: Dwell::default(),
+            dwell: DwellRules::default(),
             unknown_alarms: false,
             stops: false,
             machine_frame_rapid: false,

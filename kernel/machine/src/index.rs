@@ -2,7 +2,7 @@
 //!
 //! Invariant: an id is made by the table that it is a position of, or by the list of built-in identifiers, and tables
 //! are never shortened. So every table made for the same rows has an entry for it, and indexing with it cannot fail. A
-//! plain number (of the program, or of a macro) becomes an id through [`Table::id`], which may return none.
+//! plain number (of the program, or of a macro) becomes an id through [`IdTable::id`], which may return none.
 
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
@@ -106,18 +106,18 @@ impl DataId {
 
 /// A list with an entry for every id of its kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Table<I, T> {
+pub struct IdTable<I, T> {
     entries: Vec<T>,
     ids: PhantomData<fn(I)>,
 }
 
-impl<I, T> Default for Table<I, T> {
+impl<I, T> Default for IdTable<I, T> {
     fn default() -> Self {
         Self { entries: Vec::new(), ids: PhantomData }
     }
 }
 
-impl<I: Id, T> Table<I, T> {
+impl<I: Id, T> IdTable<I, T> {
     /// Adds an entry; none if the table has as many as there are ids, and the entry is dropped.
     pub fn push(&mut self, entry: T) -> Option<I> {
         let id = I::make(self.entries.len())?;
@@ -147,20 +147,20 @@ impl<I: Id, T> Table<I, T> {
     }
 
     /// A table for the same ids.
-    pub fn map<U>(&self, mut of: impl FnMut(I, &T) -> U) -> Table<I, U> {
+    pub fn map<U>(&self, mut of: impl FnMut(I, &T) -> U) -> IdTable<I, U> {
         self.entries().map(|(id, entry)| of(id, entry)).collect()
     }
 }
 
 /// Entries beyond the last id are dropped.
-impl<I: Id, T> FromIterator<T> for Table<I, T> {
+impl<I: Id, T> FromIterator<T> for IdTable<I, T> {
     fn from_iter<L: IntoIterator<Item = T>>(list: L) -> Self {
         let entries = list.into_iter().take(I::MOST).collect();
         Self { entries, ids: PhantomData }
     }
 }
 
-impl<I: Id, T> Index<I> for Table<I, T> {
+impl<I: Id, T> Index<I> for IdTable<I, T> {
     type Output = T;
 
     #[inline]
@@ -173,7 +173,7 @@ impl<I: Id, T> Index<I> for Table<I, T> {
     }
 }
 
-impl<I: Id, T> IndexMut<I> for Table<I, T> {
+impl<I: Id, T> IndexMut<I> for IdTable<I, T> {
     #[inline]
     #[expect(
         clippy::indexing_slicing,
@@ -243,7 +243,7 @@ impl AxisSlot {
     }
 }
 
-impl<I, T> Table<I, T> {
+impl<I, T> IdTable<I, T> {
     /// The entries, to be changed.
     pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.entries.iter_mut()
@@ -273,7 +273,7 @@ impl<I, T> Table<I, T> {
     }
 }
 
-impl<'t, I, T> IntoIterator for &'t Table<I, T> {
+impl<'t, I, T> IntoIterator for &'t IdTable<I, T> {
     type Item = &'t T;
     type IntoIter = std::slice::Iter<'t, T>;
 
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn ids_come_from_tables_and_find_their_entries() {
-        let mut rows: Table<CodeRowId, &str> = Table::default();
+        let mut rows: IdTable<CodeRowId, &str> = IdTable::default();
         let first = rows.push("a").unwrap();
         let second = rows.push("b").unwrap();
         assert_eq!((rows[first], rows[second]), ("a", "b"));
@@ -309,12 +309,12 @@ mod tests {
         let lengths = rows.map(|id, row| (id, row.len()));
         assert_eq!(lengths[second], (second, 1));
         assert_eq!((rows.id(1), rows.id(2)), (Some(second), None));
-        assert_eq!(rows.iter().copied().collect::<Table<CodeRowId, _>>(), rows);
+        assert_eq!(rows.iter().copied().collect::<IdTable<CodeRowId, _>>(), rows);
     }
 
     #[test]
     fn a_channel_has_no_more_axes_than_a_position_has_places() {
-        let axes: Table<AxisSlot, ()> = std::iter::repeat_n((), MAX_AXES + 1).collect();
+        let axes: IdTable<AxisSlot, ()> = std::iter::repeat_n((), MAX_AXES + 1).collect();
         assert_eq!(axes.len(), MAX_AXES);
         let mut position = [0.0; MAX_AXES];
         for slot in axes.ids() {
@@ -325,7 +325,7 @@ mod tests {
 
     #[test]
     fn a_table_has_no_more_entries_than_ids() {
-        let mut full: Table<CodeRowId, ()> = std::iter::repeat_n((), 70_000).collect();
+        let mut full: IdTable<CodeRowId, ()> = std::iter::repeat_n((), 70_000).collect();
         assert_eq!(full.len(), 65_536);
         assert_eq!(full.push(()), None);
         assert_eq!(full.ids().count(), 65_536);

@@ -1,6 +1,6 @@
 //! The unit in which programs of a machine begin, and the words that select a unit.
 
-use counterpoint_event::Unit;
+use counterpoint_event::MachineUnit;
 
 use crate::ident::codes;
 use crate::model::Machine;
@@ -10,7 +10,7 @@ use crate::rows::{CodeForm, CodeRow};
 #[must_use]
 pub fn begins_in_inches(machine: &Machine) -> bool {
     let is_secondary = |id: &_| matches!(*id, codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS);
-    (machine.unit == Unit::Inch) != machine.initial.iter().any(is_secondary)
+    (machine.unit == MachineUnit::Inch) != machine.initial.iter().any(is_secondary)
 }
 
 /// Numbers of the G codes that select a unit, ascending.

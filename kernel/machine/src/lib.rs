@@ -26,7 +26,7 @@ mod toml;
 
 pub use counterpoint_signs as signs;
 pub use load::{
-    DefinedComponent, Definition, DefinitionKey, DefinitionRow, Loaded, candidates, definition,
+    DefinedComponent, DefinitionKey, DefinitionRow, Loaded, WrittenDefinition, candidates, definition,
     is_section_of_composites, load, without_key,
 };
 pub use model::Machine;

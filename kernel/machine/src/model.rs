@@ -16,13 +16,13 @@ pub use tools::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};
-use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, RegisterId, SpindleId, Table};
+use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, IdTable, RegisterId, SpindleId};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
-use super::rows::{CodeForm, CodeRow, DataRow, Overlap, Register};
+use super::rows::{CodeForm, CodeRow, DataRow, Register, TimeOverlap};
 use super::stored::StoredFile;
-use super::tables::Tables;
-use counterpoint_event::Unit;
+use super::tables::LookupTables;
+use counterpoint_event::MachineUnit;
 use counterpoint_event::{MAX_AXES, Position};
 
 /// A machine with its control.
@@ -43,29 +43,29 @@ pub struct Machine {
     /// One line that describes the machine.
     pub description: String,
     /// Primary unit of length; positions in events are in this unit.
-    pub unit: Unit,
+    pub unit: MachineUnit,
     /// Kind of machine.
     pub kind: MachineKind,
     /// The evaluator of variables, branches and macro calls in the program.
     pub preprocessor: Preprocessor,
     /// Shape of program text.
-    pub format: Format,
+    pub format: ProgramTextFormat,
     /// Registers in list order.
-    pub registers: Table<RegisterId, Register>,
+    pub registers: IdTable<RegisterId, Register>,
     /// Code rows in file order.
-    pub codes: Table<CodeRowId, CodeRow>,
+    pub codes: IdTable<CodeRowId, CodeRow>,
     /// Data rows in file order.
-    pub data: Table<DataRowId, DataRow>,
+    pub data: IdTable<DataRowId, DataRow>,
     /// Names of all code identifiers, those of the machine's own after the built-in ones.
-    pub code_names: Table<CodeId, Name>,
+    pub code_names: IdTable<CodeId, Name>,
     /// Names of all data identifiers, likewise.
-    pub data_names: Table<DataId, Name>,
+    pub data_names: IdTable<DataId, Name>,
     /// All axes of the machine.
-    pub axes: Table<AxisId, Axis>,
+    pub axes: IdTable<AxisId, Axis>,
     /// Channels in ascending number.
     pub channels: Vec<Channel>,
     /// Spindles.
-    pub spindles: Table<SpindleId, Spindle>,
+    pub spindles: IdTable<SpindleId, Spindle>,
     /// Codes active at program start.
     pub initial: Vec<CodeId>,
     /// Subprogram calls.
@@ -75,13 +75,13 @@ pub struct Machine {
     /// Times.
     pub time: Time,
     /// Canned cycles.
-    pub cycles: Cycles,
+    pub cycles: CycleRules,
     /// Circles.
-    pub arcs: paths::Arcs,
+    pub arcs: paths::ArcRules,
     /// Threading cycles.
-    pub threads: paths::Threads,
+    pub threads: paths::ThreadingRules,
     /// Turning cycles.
-    pub turning: paths::Turning,
+    pub turning: paths::TurningRules,
     /// The tool in space.
     pub kinematics: paths::Kinematics,
     /// Pump of the coolant.
@@ -89,17 +89,17 @@ pub struct Machine {
     /// Data that its words leave open.
     pub habits: super::habits::Habits,
     /// The file of printing statements.
-    pub output: Output,
+    pub output: PrintFileFormat,
     /// Cutter and nose radius compensation.
-    pub compensation: Compensation,
+    pub compensation: CompensationRules,
     /// Corners between lines.
     pub corners: Corners,
     /// Program variables of the pre-processor.
-    pub variables: Variables,
+    pub variables: ProgramVariables,
     /// Tool word and tool offsets.
-    pub tool: Tool,
+    pub tool: ToolSetup,
     /// Work offsets 1 (G54) to n: per machine axis, axis units.
-    pub work_offsets: Vec<Table<AxisId, f64>>,
+    pub work_offsets: Vec<IdTable<AxisId, f64>>,
     /// Macros, none if the machine has none.
     pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
     /// Rules that change the text of every block before anything else, in order.
@@ -113,7 +113,7 @@ pub struct Machine {
     /// Components of a composite machine; empty for any other machine.
     pub components: Vec<Component>,
     /// Dense lookups compiled from the rows.
-    pub tables: Tables,
+    pub tables: LookupTables,
 }
 
 /// The changes of a machine to diagnostics.
@@ -124,7 +124,7 @@ pub struct Diagnostics {
     /// Diagnostics below this severity are not logged.
     pub min_severity: u8,
     /// Blocks that the control refuses with an alarm.
-    pub refusals: Vec<super::refusals::Refusal>,
+    pub refusals: Vec<super::refusals::BlockRefusal>,
 }
 
 /// The changes of a machine to one number.
@@ -178,7 +178,7 @@ pub enum MachineKind {
 
 /// Shape of program text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Format {
+pub struct ProgramTextFormat {
     /// Rewind-stop text alone on a line, empty = none.
     pub rws: String,
     /// Text may be beside it: after it leader that is skipped, before it the last block of the tape.
@@ -199,7 +199,7 @@ pub struct Format {
     pub eob: Option<char>,
 }
 
-impl Format {
+impl ProgramTextFormat {
     /// Whether a line is a rewind-stop.
     #[must_use]
     pub fn is_rewind_stop(&self, line: &[u8]) -> bool {
@@ -245,7 +245,7 @@ pub struct Axis {
     /// Start position and first reference point in the machine frame (as programmed: diameter on a diameter axis).
     pub home: f64,
     /// Further points that codes send it to, and the path there.
-    pub positioning: Positioning,
+    pub positioning: ReferencePoints,
     /// Travel limits in the machine frame, as programmed.
     pub limits: Option<(f64, f64)>,
     /// Direction about which the tool turns right-handed relative to the workpiece, on a rotary axis.
@@ -253,7 +253,7 @@ pub struct Axis {
     /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
     pub center: [f64; 3],
     /// How absolute words turn a rotary axis.
-    pub turn: Turn,
+    pub turn: RotaryPositioning,
     /// Channels exchange it; this one has it at the start.
     pub master: Option<u16>,
     /// The name of the axis in codes that couple axes of channels, and its behaviour when coupled.
@@ -263,7 +263,7 @@ pub struct Axis {
 /// Points of an axis in the machine frame, as programmed: the part zero, points that codes send the axis to, and the path
 /// there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Positioning {
+pub struct ReferencePoints {
     /// The part zero where a work offset has no value.
     pub part_zero: f64,
     /// Second to fourth reference points.
@@ -305,7 +305,7 @@ impl Dynamics {
 
 /// How an absolute word turns a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turn {
+pub enum RotaryPositioning {
     /// It is the position, whole turns counted.
     Position,
     /// It is the angle, reached the shorter path.
@@ -345,7 +345,7 @@ pub struct Channel {
     /// Name (`UPPER`).
     pub name: String,
     /// Its axes, in display order.
-    pub axes: Table<AxisSlot, AxisId>,
+    pub axes: IdTable<AxisSlot, AxisId>,
     /// Spindle that its feed per revolution and S word mean.
     pub spindle: Option<SpindleId>,
     /// Sub-spindle, for `CODE_SPINDLE_REAR`.
@@ -372,7 +372,7 @@ pub struct Spindle {
     /// Seconds from standing to largest speed; 0 = at once.
     pub run_up: f64,
     /// The actions that the change of its speed runs in parallel with.
-    pub overlap: Overlap,
+    pub overlap: TimeOverlap,
 }
 
 impl Machine {

@@ -7,20 +7,20 @@ use std::sync::LazyLock;
 
 use include_dir::{Dir, DirEntry, include_dir};
 
-use counterpoint_ports::files::{Bytes, Error, Files, Memory};
+use counterpoint_ports::files::{Bytes, FileError, JobFiles, MemoryFiles};
 
 static MACHINES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../machines");
 
 /// The files by path. Their bytes are those of the program itself.
-static FILES: LazyLock<Memory> = LazyLock::new(|| {
-    let mut files = Memory::default();
+static FILES: LazyLock<MemoryFiles> = LazyLock::new(|| {
+    let mut files = MemoryFiles::default();
     add(&MACHINES, &mut files);
     files
 });
 
 /// The machines folder as shipped.
 #[must_use]
-pub fn shipped() -> Memory {
+pub fn shipped() -> MemoryFiles {
     FILES.clone()
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn is_shipped(path: &str, content: &Bytes) -> bool {
     FILES.0.get(path).is_some_and(|shipped| shipped == content)
 }
 
-fn add(dir: &'static Dir<'_>, files: &mut Memory) {
+fn add(dir: &'static Dir<'_>, files: &mut MemoryFiles) {
     for entry in dir.entries() {
         match entry {
             DirEntry::Dir(dir) => add(dir, files),
@@ -65,7 +65,7 @@ pub struct Overlay<U, L> {
     lower: L,
 }
 
-impl<U: Files> Overlay<U, Memory> {
+impl<U: JobFiles> Overlay<U, MemoryFiles> {
     /// A user's machines over the shipped ones.
     #[must_use]
     pub fn over_shipped(user: U) -> Self {
@@ -73,7 +73,7 @@ impl<U: Files> Overlay<U, Memory> {
     }
 }
 
-impl<U: Files, L: Files> Overlay<U, L> {
+impl<U: JobFiles, L: JobFiles> Overlay<U, L> {
     /// `upper` is asked first.
     #[must_use]
     pub fn new(upper: U, lower: L) -> Self {
@@ -81,10 +81,10 @@ impl<U: Files, L: Files> Overlay<U, L> {
     }
 }
 
-impl<U: Files, L: Files> Files for Overlay<U, L> {
-    fn read(&self, path: &str) -> Result<Bytes, Error> {
+impl<U: JobFiles, L: JobFiles> JobFiles for Overlay<U, L> {
+    fn read(&self, path: &str) -> Result<Bytes, FileError> {
         match self.upper.read(path) {
-            Err(Error::Missing(_)) => self.lower.read(path),
+            Err(FileError::Missing(_)) => self.lower.read(path),
             found => found,
         }
     }

@@ -6,7 +6,7 @@
 
 /// Properties of a pre-processor on which machine definitions depend.
 #[derive(Debug)]
-pub struct Row {
+pub struct PreprocessorRow {
     /// Name in machine definitions.
     pub name: &'static str,
     /// Words may call programs (`[[subprograms.calls]]`).
@@ -28,7 +28,7 @@ pub struct Row {
 }
 
 /// A row for plain words only, and the defaults of the others.
-const PLAIN: Row = Row {
+const PLAIN: PreprocessorRow = PreprocessorRow {
     name: "none",
     calls_by_word: false,
     frame_increments: false,
@@ -40,11 +40,11 @@ const PLAIN: Row = Row {
     external_variables: false,
 };
 
-static ROWS: [Row; 6] = [
-    Row { counts_increments: true, ..PLAIN },
-    Row { name: "fanuc", calls_by_word: true, counts_increments: true, ..PLAIN },
-    Row { name: "okuma", counts_increments: true, named_stops: true, ..PLAIN },
-    Row {
+static ROWS: [PreprocessorRow; 6] = [
+    PreprocessorRow { counts_increments: true, ..PLAIN },
+    PreprocessorRow { name: "fanuc", calls_by_word: true, counts_increments: true, ..PLAIN },
+    PreprocessorRow { name: "okuma", counts_increments: true, named_stops: true, ..PLAIN },
+    PreprocessorRow {
         name: "siemens",
         frame_increments: true,
         semicolon_comments: true,
@@ -52,8 +52,8 @@ static ROWS: [Row; 6] = [
         named_stops: true,
         ..PLAIN
     },
-    Row { name: "heidenhain", semicolon_comments: true, named_stops: true, ..PLAIN },
-    Row {
+    PreprocessorRow { name: "heidenhain", semicolon_comments: true, named_stops: true, ..PLAIN },
+    PreprocessorRow {
         name: "isg",
         semicolon_comments: true,
         wait_statements: true,
@@ -79,7 +79,7 @@ impl Preprocessor {
 
     /// Its row of the table.
     #[must_use]
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static PreprocessorRow {
         ROWS.get(usize::from(self.0)).unwrap_or(&PLAIN)
     }
 }

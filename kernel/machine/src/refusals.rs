@@ -9,7 +9,7 @@ use crate::index::RegisterId;
 
 /// A rule of the control: it refuses a block for which all that the row says is true.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Refusal {
+pub struct BlockRefusal {
     /// Name of the row.
     pub name: String,
     /// Number of the alarm as the control shows it.
@@ -17,7 +17,7 @@ pub struct Refusal {
     /// The description of the alarm.
     pub text: String,
     /// One of these codes is in the block; empty: any block.
-    pub codes: Vec<Written>,
+    pub codes: Vec<CodeReference>,
     /// The code counts also where it acts without being written, in a block without other codes.
     pub implied: bool,
     /// One of these registers is in the block, bit by register; 0: any block.
@@ -27,9 +27,9 @@ pub struct Refusal {
     /// None of these registers is in the block, bit by register.
     pub without: u128,
     /// One of these codes is also in the block; empty: any block.
-    pub together: Vec<Written>,
+    pub together: Vec<CodeReference>,
     /// None of these codes is in the block.
-    pub unless: Vec<Written>,
+    pub unless: Vec<CodeReference>,
     /// One of these codes is active when the block begins, and the block makes no other of its group active.
     pub active: Vec<Active>,
     /// None of these codes is.
@@ -44,7 +44,7 @@ pub struct Refusal {
 
 /// A code as a row names it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Written {
+pub enum CodeReference {
     /// By its identifier, however it is written.
     Id(CodeId),
     /// By its word, or a range of words.

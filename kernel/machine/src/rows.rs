@@ -51,11 +51,11 @@ pub struct NumberFormat {
     /// Digits after the point.
     pub frac: u8,
     /// Decimal point.
-    pub point: Point,
+    pub point: DecimalPointRule,
     /// Leading zeros.
-    pub lead: Zeros,
+    pub lead: ZeroRule,
     /// Trailing zeros.
-    pub trail: Zeros,
+    pub trail: ZeroRule,
     /// Plus sign is shown.
     pub plus: bool,
     /// Digits of a program after the last one of `frac`.
@@ -76,7 +76,7 @@ pub enum Excess {
 
 /// Decimal point of a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Point {
+pub enum DecimalPointRule {
     /// Always written if fractional digits exist.
     Keep,
     /// Written only if needed.
@@ -87,7 +87,7 @@ pub enum Point {
 
 /// Zeros of a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Zeros {
+pub enum ZeroRule {
     /// All are written.
     Keep,
     /// One is written.
@@ -98,7 +98,7 @@ pub enum Zeros {
 
 /// The actions that the seconds of a code or a spindle run in parallel with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Overlap {
+pub enum TimeOverlap {
     /// Nothing: the following blocks wait.
     #[default]
     None,
@@ -108,7 +108,7 @@ pub enum Overlap {
     Rapids,
 }
 
-impl Overlap {
+impl TimeOverlap {
     /// The words of machine files.
     pub(crate) const WORDS: [(&'static str, Self); 3] =
         [("none", Self::None), ("block", Self::Block), ("rapids", Self::Rapids)];
@@ -153,7 +153,7 @@ pub struct CodeRow {
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// The actions that its seconds run in parallel with.
-    pub overlap: Overlap,
+    pub overlap: TimeOverlap,
     /// Axis role along which a canned cycle works (0 X, 1 Y, 2 Z), none = the axis normal to the plane.
     pub axis: Option<u8>,
     /// Line in `file` where the row is defined.

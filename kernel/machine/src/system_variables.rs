@@ -44,7 +44,7 @@ pub enum Means {
     /// Last value of an address.
     Address(Vec<u8>),
     /// A position or a value for each axis of the channel, or for these of X, Y and Z.
-    Position(Frame, Option<Vec<u8>>),
+    Position(PositionReference, Option<Vec<u8>>),
     /// Work offsets from this number on, with this many numbers each.
     WorkOffset {
         /// Number of the first one, 0 for the external one.
@@ -60,12 +60,12 @@ pub enum Means {
         axis: u8,
     },
     /// A column of the tool offsets, from offset 1 on.
-    ToolOffset(Column, bool),
+    ToolOffset(OffsetColumn, bool),
 }
 
 /// The reference point of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Frame {
+pub enum PositionReference {
     /// Shift of the local coordinate system.
     Local,
     /// End of the previous block, in the frame of the program.
@@ -88,7 +88,7 @@ pub enum Frame {
 
 /// A column of the tool offsets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Column {
+pub enum OffsetColumn {
     /// Value along X, Y or Z (0 to 2).
     Axis(u8),
     /// Radius.
@@ -142,7 +142,7 @@ pub struct Lookup {
 
 /// Two rows have a number in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Overlap {
+pub struct DuplicateNumber {
     /// Which row.
     pub row: usize,
     /// The number.
@@ -154,7 +154,7 @@ impl SystemVariables {
     ///
     /// # Errors
     /// Rows have a number in common.
-    pub fn compile(&mut self) -> Result<(), Overlap> {
+    pub fn compile(&mut self) -> Result<(), DuplicateNumber> {
         let Lookup { mut dense, mut far } = Lookup::default();
         let rows = self.rows.iter().zip(0_u8..);
         let ranges = rows.flat_map(|(row, place)| {
@@ -176,7 +176,7 @@ impl SystemVariables {
             for number in first..=last.min(DENSE) {
                 let Some(slot) = dense.get_mut((number - FIRST) as usize) else { continue };
                 if *slot != 0 {
-                    return Err(Overlap { row, number });
+                    return Err(DuplicateNumber { row, number });
                 }
                 *slot = place + 1;
             }
@@ -184,7 +184,7 @@ impl SystemVariables {
         far.sort_unstable();
         let overlap = far.windows(2).find_map(|pair| match pair {
             [(_, last, _), (first, _, row)] if first <= last => {
-                Some(Overlap { row: usize::from(*row), number: *first })
+                Some(DuplicateNumber { row: usize::from(*row), number: *first })
             }
             _ => None,
         });
@@ -250,7 +250,7 @@ mod tests {
             (vec![row(1000, 1001, &[30_000]), row(1500, 1510, &[30_001])], 30_001),
         ] {
             let mut variables = SystemVariables { rows, ..SystemVariables::default() };
-            assert_eq!(variables.compile(), Err(Overlap { row: 1, number }));
+            assert_eq!(variables.compile(), Err(DuplicateNumber { row: 1, number }));
         }
     }
 }

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::ident::{DataId, Name};
-use super::index::{CodeRowId, DataRowId, RegisterId, Table};
+use super::index::{CodeRowId, DataRowId, IdTable, RegisterId};
 use super::rows::{CodeForm, CodeRow, DataRow, Register};
 
 /// Register a letter belongs to, and whether it is its second, incremental name; `None` = no regular register.
@@ -20,21 +20,21 @@ const TOLERANCE: f64 = 1e-9;
 
 /// The lookups.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tables {
+pub struct LookupTables {
     /// Per ASCII byte: the regular register it names.
     pub letter: [LetterEntry; 128],
     /// Enabled data rows of each register, in file order.
-    pub data_of_register: Table<RegisterId, Vec<DataRowId>>,
+    pub data_of_register: IdTable<RegisterId, Vec<DataRowId>>,
     /// Enabled data rows of each data identifier, in file order.
-    pub rows_of_data: Table<DataId, Vec<DataRowId>>,
+    pub rows_of_data: IdTable<DataId, Vec<DataRowId>>,
     /// Enabled rows of literal text: longest text first, then in matching order.
     pub texts: Vec<CodeRowId>,
-    codes: Table<RegisterId, Option<Codes>>,
+    codes: IdTable<RegisterId, Option<CodeLookup>>,
 }
 
 /// Code rows of one register.
 #[derive(Debug, Clone, PartialEq)]
-struct Codes {
+struct CodeLookup {
     /// Row lists; the first is empty.
     lists: Vec<Vec<CodeRowId>>,
     /// List per value times ten, below [`DENSE`].
@@ -43,27 +43,27 @@ struct Codes {
     steps: Vec<(u32, u16)>,
 }
 
-impl Default for Tables {
+impl Default for LookupTables {
     fn default() -> Self {
-        Self::new(&Table::default(), &Table::default(), &Table::default(), &Table::default())
+        Self::new(&IdTable::default(), &IdTable::default(), &IdTable::default(), &IdTable::default())
     }
 }
 
-impl Tables {
+impl LookupTables {
     /// Compiles the rows; `names` has all data identifiers.
     #[must_use]
     pub fn new(
-        registers: &Table<RegisterId, Register>,
-        codes: &Table<CodeRowId, CodeRow>,
-        data: &Table<DataRowId, DataRow>,
-        names: &Table<DataId, Name>,
+        registers: &IdTable<RegisterId, Register>,
+        codes: &IdTable<CodeRowId, CodeRow>,
+        data: &IdTable<DataRowId, DataRow>,
+        names: &IdTable<DataId, Name>,
     ) -> Self {
         Self {
             letter: letters(registers),
             data_of_register: data_of_register(registers, data),
             rows_of_data: rows_of_data(data, names),
             texts: texts(codes),
-            codes: registers.map(|register, _| Codes::new(register, codes)),
+            codes: registers.map(|register, _| CodeLookup::new(register, codes)),
         }
     }
 
@@ -93,15 +93,16 @@ impl Tables {
     }
 }
 
-impl Codes {
-    fn new(register: RegisterId, codes: &Table<CodeRowId, CodeRow>) -> Option<Self> {
+impl CodeLookup {
+    fn new(register: RegisterId, codes: &IdTable<CodeRowId, CodeRow>) -> Option<Self> {
         let rows = rows_of_register(register, codes);
         if rows.is_empty() {
             return None;
         }
         let mut lists = Lists::default();
         let dense = lists.dense(&rows);
-        let mut starts: Vec<u32> = rows.iter().flat_map(Range::breaks).filter(|start| *start > DENSE).collect();
+        let mut starts: Vec<u32> =
+            rows.iter().flat_map(CodeValueRange::breaks).filter(|start| *start > DENSE).collect();
         starts.push(DENSE);
         starts.sort_unstable();
         starts.dedup();
@@ -168,7 +169,7 @@ impl Default for Lists {
 
 impl Lists {
     /// List of every tenth below [`DENSE`]: only tenths that a row covers are looked at.
-    fn dense(&mut self, rows: &[Range]) -> Vec<u16> {
+    fn dense(&mut self, rows: &[CodeValueRange]) -> Vec<u16> {
         let mut covered: FxHashMap<usize, Vec<CodeRowId>> = FxHashMap::default();
         for row in rows {
             let step = if row.decimals { 1 } else { 10 };
@@ -186,7 +187,7 @@ impl Lists {
         dense
     }
 
-    fn intern(&mut self, rows: &[Range], matches: impl Fn(&Range) -> bool) -> u16 {
+    fn intern(&mut self, rows: &[CodeValueRange], matches: impl Fn(&CodeValueRange) -> bool) -> u16 {
         self.list(rows.iter().filter(|row| matches(row)).map(|row| row.row).collect())
     }
 
@@ -202,7 +203,7 @@ impl Lists {
 }
 
 /// Values of a code row in tenths.
-struct Range {
+struct CodeValueRange {
     row: CodeRowId,
     order: u16,
     min: u64,
@@ -211,7 +212,7 @@ struct Range {
     decimals: bool,
 }
 
-impl Range {
+impl CodeValueRange {
     fn matches(&self, tenth: u64) -> bool {
         (self.min..=self.max).contains(&tenth) && (self.decimals || tenth.is_multiple_of(10))
     }
@@ -223,8 +224,8 @@ impl Range {
     }
 }
 
-fn rows_of_register(register: RegisterId, codes: &Table<CodeRowId, CodeRow>) -> Vec<Range> {
-    let mut rows: Vec<Range> = Vec::new();
+fn rows_of_register(register: RegisterId, codes: &IdTable<CodeRowId, CodeRow>) -> Vec<CodeValueRange> {
+    let mut rows: Vec<CodeValueRange> = Vec::new();
     for (row, code) in codes.entries() {
         if let Some((of, min, max)) = form_range(&code.form)
             && code.enable
@@ -232,7 +233,7 @@ fn rows_of_register(register: RegisterId, codes: &Table<CodeRowId, CodeRow>) -> 
         {
             let (min, max) = (tenths(min), tenths(max));
             let decimals = !(min.is_multiple_of(10) && max.is_multiple_of(10));
-            rows.push(Range { row, order: code.order, min, max, decimals });
+            rows.push(CodeValueRange { row, order: code.order, min, max, decimals });
         }
     }
     rows.sort_by_key(|row| (row.order, row.row));
@@ -261,7 +262,7 @@ fn tenths(value: f64) -> u64 {
     (value * 10.0).round() as u64
 }
 
-fn letters(registers: &Table<RegisterId, Register>) -> [LetterEntry; 128] {
+fn letters(registers: &IdTable<RegisterId, Register>) -> [LetterEntry; 128] {
     let mut letters = [None; 128];
     for (register, incremental) in [(registers, true), (registers, false)] {
         for (id, definition) in register.entries() {
@@ -283,9 +284,9 @@ fn single_capital(name: &str) -> Option<u8> {
 }
 
 fn data_of_register(
-    registers: &Table<RegisterId, Register>,
-    data: &Table<DataRowId, DataRow>,
-) -> Table<RegisterId, Vec<DataRowId>> {
+    registers: &IdTable<RegisterId, Register>,
+    data: &IdTable<DataRowId, DataRow>,
+) -> IdTable<RegisterId, Vec<DataRowId>> {
     let mut lists = registers.map(|_, _| Vec::new());
     for (row, definition) in data.entries() {
         if let Some(register) = definition.register.filter(|_| definition.enable) {
@@ -295,7 +296,7 @@ fn data_of_register(
     lists
 }
 
-fn rows_of_data(data: &Table<DataRowId, DataRow>, names: &Table<DataId, Name>) -> Table<DataId, Vec<DataRowId>> {
+fn rows_of_data(data: &IdTable<DataRowId, DataRow>, names: &IdTable<DataId, Name>) -> IdTable<DataId, Vec<DataRowId>> {
     let mut lists = names.map(|_, _| Vec::new());
     for (row, definition) in data.entries().filter(|(_, definition)| definition.enable) {
         lists[definition.id].push(row);
@@ -303,7 +304,7 @@ fn rows_of_data(data: &Table<DataRowId, DataRow>, names: &Table<DataId, Name>) -
     lists
 }
 
-fn texts(codes: &Table<CodeRowId, CodeRow>) -> Vec<CodeRowId> {
+fn texts(codes: &IdTable<CodeRowId, CodeRow>) -> Vec<CodeRowId> {
     let mut rows: Vec<(usize, u16, CodeRowId)> = codes
         .entries()
         .filter_map(|(row, code)| match &code.form {

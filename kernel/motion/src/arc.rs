@@ -2,7 +2,7 @@
 //!
 //! Plane coordinates are `(first, second)` axis of the plane in right-handed order (XY, ZX, YZ), radius values.
 //! Angles come from `libm`, so that every machine gives the same bits.
-//! *Invariant:* an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
+//! *Invariant:* an [`PlaneArc`] that exists has a positive radius and a sweep in the asked direction.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,7 +13,7 @@ pub const MOST_TURNS: f64 = 999.0;
 
 /// An arc from `start` to `end` around `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arc {
+pub struct PlaneArc {
     /// Centre.
     pub center: [f64; 2],
     /// Radius at the start.
@@ -26,7 +26,7 @@ pub struct Arc {
 
 /// Why a circle cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Error {
+pub enum ArcError {
     /// Centre and start coincide.
     #[error("the radius is zero")]
     ZeroRadius,
@@ -52,16 +52,16 @@ pub enum Error {
     },
 }
 
-/// Arc by centre. The end point may lie off the circle; [`Arc::end_error`] gives the distance.
+/// Arc by centre. The end point may lie off the circle; [`PlaneArc::end_error`] gives the distance.
 ///
 /// # Errors
-/// [`Error::ZeroRadius`].
-pub fn by_center(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bool) -> Result<Arc, Error> {
+/// [`ArcError::ZeroRadius`].
+pub fn by_center(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bool) -> Result<PlaneArc, ArcError> {
     let [from, to, middle] = [start, end, center].map(Point2::from);
     let spoke = from - middle;
     let radius = spoke.norm();
     if radius < 1e-9 {
-        return Err(Error::ZeroRadius);
+        return Err(ArcError::ZeroRadius);
     }
     let start_angle = angle(spoke);
     let same = (to - from).amax() < 1e-9;
@@ -72,7 +72,7 @@ pub fn by_center(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bo
         let turn = if clockwise { -raw } else { raw }.rem_euclid(TAU);
         if turn < 1e-9 { TAU } else { turn }
     };
-    Ok(Arc { center, radius, start_angle, sweep: if clockwise { -sweep } else { sweep } })
+    Ok(PlaneArc { center, radius, start_angle, sweep: if clockwise { -sweep } else { sweep } })
 }
 
 fn angle(v: Vector2<f64>) -> f64 {
@@ -83,20 +83,26 @@ fn angle(v: Vector2<f64>) -> f64 {
 /// the diameter by no more than `tolerance` counts as the diameter.
 ///
 /// # Errors
-/// All variants of [`Error`].
-pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, tolerance: f64) -> Result<Arc, Error> {
+/// All variants of [`ArcError`].
+pub fn by_radius(
+    start: [f64; 2],
+    end: [f64; 2],
+    radius: f64,
+    clockwise: bool,
+    tolerance: f64,
+) -> Result<PlaneArc, ArcError> {
     let [from, to] = [start, end].map(Point2::from);
     let chord = to - from;
     let distance = chord.norm();
     if distance < 1e-9 {
-        return Err(Error::SamePoint);
+        return Err(ArcError::SamePoint);
     }
     let size = radius.abs();
     if size < 1e-9 {
-        return Err(Error::ZeroRadius);
+        return Err(ArcError::ZeroRadius);
     }
     if distance > 2.0 * size + tolerance {
-        return Err(Error::RadiusTooSmall { distance, radius: size });
+        return Err(ArcError::RadiusTooSmall { distance, radius: size });
     }
     let half = distance / 2.0;
     let height = (size * size - half * half).max(0.0).sqrt();
@@ -110,11 +116,11 @@ pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, t
 /// Arc from start to end that goes through `angle` degrees, less than a full turn: the angle determines the radius.
 ///
 /// # Errors
-/// [`Error::Angle`] for an angle of no turn or of one and more, [`Error::SamePoint`].
-pub fn by_end_and_angle(start: [f64; 2], end: [f64; 2], angle: f64, clockwise: bool) -> Result<Arc, Error> {
+/// [`ArcError::Angle`] for an angle of no turn or of one and more, [`ArcError::SamePoint`].
+pub fn by_end_and_angle(start: [f64; 2], end: [f64; 2], angle: f64, clockwise: bool) -> Result<PlaneArc, ArcError> {
     let turn = angle.to_radians();
     if !(turn > 1e-9 && turn < TAU - 1e-9) {
-        return Err(Error::Angle { angle });
+        return Err(ArcError::Angle { angle });
     }
     let distance = (Point2::from(end) - Point2::from(start)).norm();
     let radius = distance / (2.0 * libm::sin(turn / 2.0));
@@ -125,19 +131,19 @@ pub fn by_end_and_angle(start: [f64; 2], end: [f64; 2], angle: f64, clockwise: b
 /// Arc around `center` through `angle` degrees, which may be more than a turn, and where it ends.
 ///
 /// # Errors
-/// [`Error::Angle`] for an angle of nothing or of more than [`MOST_TURNS`] turns, [`Error::ZeroRadius`].
+/// [`ArcError::Angle`] for an angle of nothing or of more than [`MOST_TURNS`] turns, [`ArcError::ZeroRadius`].
 pub fn by_center_and_angle(
     start: [f64; 2],
     center: [f64; 2],
     angle: f64,
     clockwise: bool,
-) -> Result<(Arc, [f64; 2]), Error> {
+) -> Result<(PlaneArc, [f64; 2]), ArcError> {
     let turn = angle.to_radians();
     if !(turn > 1e-9 && turn <= TAU * MOST_TURNS) {
-        return Err(Error::Angle { angle });
+        return Err(ArcError::Angle { angle });
     }
     let whole = by_center(start, start, center, clockwise)?;
-    let arc = Arc { sweep: if clockwise { -turn } else { turn }, ..whole };
+    let arc = PlaneArc { sweep: if clockwise { -turn } else { turn }, ..whole };
     let rest = turn % TAU;
     if !(1e-9..=TAU - 1e-9).contains(&rest) {
         return Ok((arc, start));
@@ -146,7 +152,7 @@ pub fn by_center_and_angle(
     Ok((arc, [center[0] + arc.radius * libm::cos(at), center[1] + arc.radius * libm::sin(at)]))
 }
 
-impl Arc {
+impl PlaneArc {
     /// Whole turns before the last one, which is never empty.
     #[must_use]
     pub fn full_turns(&self) -> u16 {
@@ -260,16 +266,16 @@ mod tests {
             assert!(close(arc.sweep.to_degrees(), angle));
         }
         for angle in [0.0, -90.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(by_center_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(Error::Angle { .. })));
-            assert!(matches!(by_end_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(Error::Angle { .. })));
+            assert!(matches!(by_center_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(ArcError::Angle { .. })));
+            assert!(matches!(by_end_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(ArcError::Angle { .. })));
         }
     }
 
     #[test]
     fn impossible_circles_are_refused() {
-        assert_eq!(by_center([0.0, 0.0], [1.0, 0.0], [0.0, 0.0], true), Err(Error::ZeroRadius));
-        assert_eq!(by_radius([0.0, 0.0], [0.0, 0.0], 1.0, true, 0.0), Err(Error::SamePoint));
-        assert!(matches!(by_radius([0.0, 0.0], [3.0, 0.0], 1.0, true, 0.01), Err(Error::RadiusTooSmall { .. })));
+        assert_eq!(by_center([0.0, 0.0], [1.0, 0.0], [0.0, 0.0], true), Err(ArcError::ZeroRadius));
+        assert_eq!(by_radius([0.0, 0.0], [0.0, 0.0], 1.0, true, 0.0), Err(ArcError::SamePoint));
+        assert!(matches!(by_radius([0.0, 0.0], [3.0, 0.0], 1.0, true, 0.01), Err(ArcError::RadiusTooSmall { .. })));
         assert!(by_radius([0.0, 0.0], [2.005, 0.0], 1.0, true, 0.01).is_ok());
     }
 }

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::surface_speed::Speed;
+use crate::surface_speed::SurfaceSpeed;
 
 /// Bisection steps that determine a share of the move to the last bit.
 const HALVINGS: usize = 60;
@@ -15,7 +15,7 @@ const AXIS: f64 = 1e-9;
 
 /// Change of the radius along the move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
+pub enum RadiusProgress {
     /// Linear in revolutions: the move itself has a feed per revolution.
     ByRevolution,
     /// Linear in time.
@@ -26,13 +26,13 @@ pub enum Progress {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenSpeed {
     /// Surface speed of the spindle and its limits.
-    pub speed: Speed,
+    pub speed: SurfaceSpeed,
     /// Radii at the start and at the end of the move.
     pub radii: [f64; 2],
     /// Minutes of the move, above 0.
     pub minutes: f64,
     /// Change of the radius.
-    pub progress: Progress,
+    pub progress: RadiusProgress,
 }
 
 impl DrivenSpeed {
@@ -68,8 +68,8 @@ impl DrivenSpeed {
             1.0
         } else {
             match self.progress {
-                Progress::ByTime => elapsed / self.minutes,
-                Progress::ByRevolution => bisect(0.0, |share| self.elapsed(share) < elapsed),
+                RadiusProgress::ByTime => elapsed / self.minutes,
+                RadiusProgress::ByRevolution => bisect(0.0, |share| self.elapsed(share) < elapsed),
             }
         }
     }
@@ -77,8 +77,8 @@ impl DrivenSpeed {
     /// Minutes after which this share of the move is complete.
     fn elapsed(&self, share: f64) -> f64 {
         match self.progress {
-            Progress::ByTime => share * self.minutes,
-            Progress::ByRevolution => self.revolutions(0.0, 1.0) * self.evenly(share),
+            RadiusProgress::ByTime => share * self.minutes,
+            RadiusProgress::ByRevolution => self.revolutions(0.0, 1.0) * self.evenly(share),
         }
     }
 
@@ -90,8 +90,8 @@ impl DrivenSpeed {
     /// Revolutions between two shares of the move.
     fn revolutions(&self, from: f64, to: f64) -> f64 {
         match self.progress {
-            Progress::ByRevolution => (to - from) * self.minutes / self.evenly(1.0),
-            Progress::ByTime => {
+            RadiusProgress::ByRevolution => (to - from) * self.minutes / self.evenly(1.0),
+            RadiusProgress::ByTime => {
                 let cuts = self.speed.line_cuts(self.radii[0], self.radii[1]);
                 let pieces = cuts.windows(2).filter_map(|piece| match *piece {
                     [a, b] => Some((a.max(from), b.min(to))).filter(|(a, b)| b > a),
@@ -144,8 +144,8 @@ mod tests {
                 left -= rpm * step;
             }
             share += match driven.progress {
-                Progress::ByTime => step / driven.minutes,
-                Progress::ByRevolution => rpm * step / total,
+                RadiusProgress::ByTime => step / driven.minutes,
+                RadiusProgress::ByRevolution => rpm * step / total,
             };
             time += step;
         }
@@ -156,10 +156,10 @@ mod tests {
     #[test]
     fn time_of_revolutions_is_that_of_small_steps() {
         let mut checked = 0;
-        for progress in [Progress::ByTime, Progress::ByRevolution] {
+        for progress in [RadiusProgress::ByTime, RadiusProgress::ByRevolution] {
             for radii in [[32.0, 1.0], [32.0, -0.5], [5.0, 60.0], [20.0, 20.0]] {
                 for (max, min) in [(2500.0, 0.0), (1200.0, 600.0)] {
-                    let speed = Speed { surface: 180_000.0, max, min };
+                    let speed = SurfaceSpeed { surface: 180_000.0, max, min };
                     let driven = DrivenSpeed { speed, radii, minutes: 0.2, progress };
                     for elapsed in [0.0, 0.07, 0.19, 0.2, 0.5] {
                         for revolutions in [1.0, 40.0, 150.0, 800.0] {

@@ -1,6 +1,6 @@
 //! Speeds along moves that follow each other without a stop, and the time that each takes.
 //!
-//! A [`Piece`] is one move: its length, the largest speed along it, and the largest speed at the corner before it. A
+//! A [`LookAheadMove`] is one move: its length, the largest speed along it, and the largest speed at the corner before it. A
 //! piece is timed when enough later ones are known ([`LookAhead::new`]), or when the path is known to stop after the
 //! last one. Speeds change at the acceleration of each piece (trapezoids, reference channel-synchronisation.md 3).
 //!
@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 /// One move. Lengths in geometry units, times in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub struct LookAheadMove {
     /// Length, above zero.
     pub length: f64,
     /// Largest speed, above zero.
@@ -27,7 +27,7 @@ pub struct Piece {
 /// Braking for less than this, seconds, takes no time.
 const INSTANT: f64 = 1e-6;
 
-impl Piece {
+impl LookAheadMove {
     /// Seconds from standstill to standstill.
     #[must_use]
     pub fn alone(&self) -> f64 {
@@ -66,8 +66,8 @@ struct Profile {
 
 impl Profile {
     /// Between two squared speeds at its ends, which the piece can reach.
-    fn new(piece: &Piece, entry: f64, exit: f64) -> Self {
-        let Piece { length, speed, acceleration, .. } = *piece;
+    fn new(piece: &LookAheadMove, entry: f64, exit: f64) -> Self {
+        let LookAheadMove { length, speed, acceleration, .. } = *piece;
         let peak = (speed * speed).min(0.5 * (entry + exit) + acceleration * length).max(entry.max(exit));
         let ramps = (2.0 * peak - entry - exit) / (2.0 * acceleration);
         let steady = (length - ramps).max(0.0);
@@ -84,7 +84,7 @@ impl Profile {
 /// A piece that waits for its time.
 #[derive(Debug, Clone, Copy)]
 struct Planned {
-    piece: Piece,
+    piece: LookAheadMove,
     /// Largest squared speed at its start from which the path can stop at the end of the known pieces.
     entry: f64,
 }
@@ -133,19 +133,19 @@ impl LookAhead {
     }
 
     /// The next move of the path.
-    pub fn push(&mut self, piece: Piece) {
+    pub fn push(&mut self, piece: LookAheadMove) {
         let corner = match self.pieces.back() {
             Some(last) => piece.corner.min(last.piece.speed).min(piece.speed),
             // The path continues from a speed that is decided.
             None => self.entry.sqrt(),
         };
         let stop = 2.0 * piece.acceleration * piece.length;
-        self.pieces.push_back(Planned { piece: Piece { corner, ..piece }, entry: (corner * corner).min(stop) });
+        self.pieces.push_back(Planned { piece: LookAheadMove { corner, ..piece }, entry: (corner * corner).min(stop) });
         // Earlier moves may now end faster, back to the first that could not begin faster anyway.
         let mut next = self.pieces.back().map_or(0.0, |last| last.entry);
         for at in (0..self.pieces.len() - 1).rev() {
             let Some(planned) = self.pieces.get_mut(at) else { return };
-            let Piece { corner, acceleration, length, .. } = planned.piece;
+            let LookAheadMove { corner, acceleration, length, .. } = planned.piece;
             let entry = (corner * corner).min(next + 2.0 * acceleration * length);
             if entry <= planned.entry {
                 return;
@@ -176,7 +176,7 @@ impl LookAhead {
     }
 
     /// Additional seconds for the changes of speed that end in a piece.
-    fn jerks(&mut self, piece: &Piece, profile: &Profile, exit: f64) -> f64 {
+    fn jerks(&mut self, piece: &LookAheadMove, profile: &Profile, exit: f64) -> f64 {
         if !piece.jerk.is_finite() {
             self.ramp = None;
             return 0.0;
@@ -231,11 +231,11 @@ mod tests {
 
     const A: f64 = 1000.0;
 
-    fn piece(length: f64, speed: f64, corner: f64) -> Piece {
-        Piece { length, speed, acceleration: A, jerk: f64::INFINITY, corner }
+    fn piece(length: f64, speed: f64, corner: f64) -> LookAheadMove {
+        LookAheadMove { length, speed, acceleration: A, jerk: f64::INFINITY, corner }
     }
 
-    fn times(depth: usize, pieces: &[Piece]) -> Vec<f64> {
+    fn times(depth: usize, pieces: &[LookAheadMove]) -> Vec<f64> {
         let mut look = LookAhead::new(depth);
         let mut times = Vec::new();
         for piece in pieces {
@@ -290,18 +290,18 @@ mod tests {
 
     #[test]
     fn without_acceleration_only_the_speed_counts() {
-        let pieces = [4.0, 2.0].map(|length| Piece { acceleration: f64::INFINITY, ..piece(length, 2.0, 0.0) });
+        let pieces = [4.0, 2.0].map(|length| LookAheadMove { acceleration: f64::INFINITY, ..piece(length, 2.0, 0.0) });
         assert_eq!(times(5, &pieces), [2.0, 1.0]);
     }
 
     #[test]
     fn jerk_adds_its_rise_to_each_change() {
         // L/v + v/a + a/j: 1 + 0.1 + 0.02.
-        let single = Piece { jerk: 50_000.0, ..piece(100.0, 100.0, 0.0) };
+        let single = LookAheadMove { jerk: 50_000.0, ..piece(100.0, 100.0, 0.0) };
         assert!((single.alone() - 1.12).abs() < 1e-12);
         // The same over many moves: a ramp over several of them is one change.
         let mut pieces = vec![single];
-        pieces.extend([Piece { length: 1.0, corner: f64::INFINITY, ..single }; 100]);
+        pieces.extend([LookAheadMove { length: 1.0, corner: f64::INFINITY, ..single }; 100]);
         let whole: f64 = times(200, &pieces).iter().sum();
         assert!((whole - 2.12).abs() < 1e-9, "{whole}");
     }
@@ -327,7 +327,7 @@ mod tests {
     }
 
     /// Speeds by brute force: passes over the whole path until nothing changes.
-    fn model(pieces: &[Piece]) -> f64 {
+    fn model(pieces: &[LookAheadMove]) -> f64 {
         let n = pieces.len();
         let mut v = vec![0.0_f64; n + 1];
         for at in 1..n {
@@ -371,10 +371,10 @@ mod tests {
         };
         for _ in 0..40 {
             let count = 2 + (random() * 12.0) as usize;
-            let pieces: Vec<Piece> = (0..count)
+            let pieces: Vec<LookAheadMove> = (0..count)
                 .map(|_| {
                     let corner = if random() < 0.3 { f64::INFINITY } else { random() * 80.0 };
-                    Piece {
+                    LookAheadMove {
                         acceleration: 200.0 + 2000.0 * random(),
                         ..piece(0.1 + 20.0 * random(), 10.0 + 90.0 * random(), corner)
                     }

@@ -1,6 +1,6 @@
 //! Time of a move from standstill to standstill.
 
-use crate::lookahead::Piece;
+use crate::lookahead::LookAheadMove;
 
 /// Seconds for `distance` at `speed` (per second) with `acceleration` (per second squared) at both ends; `None` =
 /// speed changes take no time. Zero distance takes no time; a speed of zero or less gives infinity.
@@ -33,7 +33,7 @@ pub fn stop_to_stop_smoothly(distance: f64, speed: f64, acceleration: Option<f64
     let length = distance.abs();
     match (acceleration, jerk) {
         (Some(acceleration), Some(jerk)) if length > 0.0 && speed > 0.0 => {
-            Piece { length, speed, acceleration, jerk, corner: 0.0 }.alone()
+            LookAheadMove { length, speed, acceleration, jerk, corner: 0.0 }.alone()
         }
         _ => stop_to_stop(distance, speed, acceleration),
     }

@@ -1,6 +1,6 @@
 //! Arcs in space: a circle through three points.
 //!
-//! Coordinates are radius values in one unit. *Invariant:* a [`Circle`] that exists has a positive radius and a sweep
+//! Coordinates are radius values in one unit. *Invariant:* a [`SpaceArc`] that exists has a positive radius and a sweep
 //! of more than nothing and less than a turn, counter-clockwise about its normal. Angles come from `libm`, so that
 //! every machine gives the same bits.
 
@@ -8,11 +8,11 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::arc::Error;
+use crate::arc::ArcError;
 
 /// An arc in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Circle {
+pub struct SpaceArc {
     /// Centre.
     pub center: [f64; 3],
     /// Unit vector about which the arc turns counter-clockwise.
@@ -26,22 +26,22 @@ pub struct Circle {
     quarter: [f64; 3],
 }
 
-impl Circle {
+impl SpaceArc {
     /// The arc from `from` by way of `via` to `to`.
     ///
     /// # Errors
-    /// [`Error::SamePoint`] if start and end coincide, [`Error::Straight`] if the three points lie in a line.
-    pub fn through(from: [f64; 3], via: [f64; 3], to: [f64; 3]) -> Result<Self, Error> {
+    /// [`ArcError::SamePoint`] if start and end coincide, [`ArcError::Straight`] if the three points lie in a line.
+    pub fn through(from: [f64; 3], via: [f64; 3], to: [f64; 3]) -> Result<Self, ArcError> {
         let [from, via, to] = [from, via, to].map(Point3::from);
         let (a, b) = (via - from, to - from);
         let chord = b.norm();
         if chord < 1e-9 {
-            return Err(Error::SamePoint);
+            return Err(ArcError::SamePoint);
         }
         let across = a.cross(&b);
         let height = across.norm() / chord;
         if height < 1e-9 || !height.is_finite() {
-            return Err(Error::Straight);
+            return Err(ArcError::Straight);
         }
         let normal = across.normalize();
         // In the plane of the arc: along the chord, and away from it on the side of `via`.
@@ -54,7 +54,7 @@ impl Circle {
         let spoke = from - center;
         let radius = spoke.norm();
         if !radius.is_finite() {
-            return Err(Error::Straight);
+            return Err(ArcError::Straight);
         }
         let start = spoke / radius;
         let quarter = normal.cross(&start);
@@ -71,12 +71,12 @@ impl Circle {
         })
     }
 
-    /// The same arc by the place of its middle over the chord, as [`Circle::bulge`] gives it.
+    /// The same arc by the place of its middle over the chord, as [`SpaceArc::bulge`] gives it.
     ///
     /// # Errors
-    /// As [`Circle::through`].
-    pub fn bulging(from: [f64; 3], to: [f64; 3], bulge: [f64; 2]) -> Result<Self, Error> {
-        let [u, v] = across(from, to).ok_or(Error::SamePoint)?;
+    /// As [`SpaceArc::through`].
+    pub fn bulging(from: [f64; 3], to: [f64; 3], bulge: [f64; 2]) -> Result<Self, ArcError> {
+        let [u, v] = across(from, to).ok_or(ArcError::SamePoint)?;
         let [a, b] = [from, to].map(Point3::from);
         let middle = nalgebra::center(&a, &b) + u * bulge[0] + v * bulge[1];
         Self::through(from, middle.into(), to)
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn half_a_circle_standing_up() {
         // From X10 over Z10 to X-10 about the origin: a half turn, furthest in Z at its middle.
-        let arc = Circle::through([10.0, 0.0, 0.0], [0.0, 0.0, 10.0], [-10.0, 0.0, 0.0]).unwrap();
+        let arc = SpaceArc::through([10.0, 0.0, 0.0], [0.0, 0.0, 10.0], [-10.0, 0.0, 0.0]).unwrap();
         assert!(close(arc.center, [0.0; 3]) && close(arc.normal, [0.0, -1.0, 0.0]), "{arc:?}");
         assert!((arc.sweep - PI).abs() < 1e-9 && (arc.length() - 10.0 * PI).abs() < 1e-9);
         assert!(close(arc.at(0.5), [0.0, 0.0, 10.0]));
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn more_than_half_turns_back_twice() {
         // Three quarters in the XY plane, from X10 by way of Y10 and X-10 to Y-10.
-        let arc = Circle::through([10.0, 0.0, 5.0], [-10.0, 0.0, 5.0], [0.0, -10.0, 5.0]);
+        let arc = SpaceArc::through([10.0, 0.0, 5.0], [-10.0, 0.0, 5.0], [0.0, -10.0, 5.0]);
         let arc = arc.unwrap_or_else(|error| panic!("{error}"));
         assert!(close(arc.center, [0.0, 0.0, 5.0]), "{arc:?}");
         assert!((arc.sweep - 1.5 * PI).abs() < 1e-9 && close(arc.normal, [0.0, 0.0, 1.0]));
@@ -179,8 +179,8 @@ mod tests {
     fn a_bulge_tells_the_whole_arc() {
         let (from, to) = ([1.0, 2.0, 3.0], [4.0, -1.0, 2.5]);
         for via in [[2.0, 2.0, 9.0], [9.0, 9.0, 9.0], [2.5, 0.6, 2.8], [1.001, 2.0, 3.1]] {
-            let arc = Circle::through(from, via, to).unwrap();
-            let again = Circle::bulging(from, to, arc.bulge(from, to)).unwrap();
+            let arc = SpaceArc::through(from, via, to).unwrap();
+            let again = SpaceArc::bulging(from, to, arc.bulge(from, to)).unwrap();
             assert!(close(arc.center, again.center) && close(arc.normal, again.normal), "{arc:?} {again:?}");
             assert!(close(arc.at(0.25), again.at(0.25)) && close(again.at(1.0), to));
         }
@@ -188,9 +188,9 @@ mod tests {
 
     #[test]
     fn three_points_in_a_line_make_no_arc() {
-        assert_eq!(Circle::through([0.0; 3], [1.0; 3], [2.0; 3]), Err(Error::Straight));
-        assert_eq!(Circle::through([0.0; 3], [1.0; 3], [0.0; 3]), Err(Error::SamePoint));
-        assert!(Circle::through([0.0; 3], [f64::NAN; 3], [1.0; 3]).is_err());
-        assert!(Circle::through([f64::MAX; 3], [0.0; 3], [1.0, f64::MAX, 0.0]).is_err());
+        assert_eq!(SpaceArc::through([0.0; 3], [1.0; 3], [2.0; 3]), Err(ArcError::Straight));
+        assert_eq!(SpaceArc::through([0.0; 3], [1.0; 3], [0.0; 3]), Err(ArcError::SamePoint));
+        assert!(SpaceArc::through([0.0; 3], [f64::NAN; 3], [1.0; 3]).is_err());
+        assert!(SpaceArc::through([f64::MAX; 3], [0.0; 3], [1.0, f64::MAX, 0.0]).is_err());
     }
 }

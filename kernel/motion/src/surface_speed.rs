@@ -3,12 +3,12 @@
 //! `n(r) = clamp(v / (2π·|r|), n_min, n_max)`; the time is the integral of `ds / (f · n)` (reference
 //! channel-synchronisation.md 3). Both integrals are exact: pieces between the clamp radii are closed forms.
 
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 use std::f64::consts::TAU;
 
 /// Spindle under constant surface speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Speed {
+pub struct SurfaceSpeed {
     /// Surface speed in length units per minute (m/min · 1000 for mm).
     pub surface: f64,
     /// Largest rev/min, may be infinite.
@@ -17,7 +17,7 @@ pub struct Speed {
     pub min: f64,
 }
 
-impl Speed {
+impl SurfaceSpeed {
     /// Revolutions per minute at radius `r`.
     #[must_use]
     pub fn rpm(&self, r: f64) -> f64 {
@@ -72,7 +72,7 @@ impl Speed {
 
     /// Minutes for an arc at `feed` per revolution. `radial`: the plane coordinate that is the radius (0 or 1).
     #[must_use]
-    pub fn arc_minutes(&self, arc: &Arc, radial: usize, feed: f64) -> f64 {
+    pub fn arc_minutes(&self, arc: &PlaneArc, radial: usize, feed: f64) -> f64 {
         let offset = arc.center.get(radial).copied().unwrap_or(0.0);
         // r(θ) = offset + R·cos(θ − phase)
         let phase = if radial == 0 { 0.0 } else { TAU / 4.0 };
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn facing_check_value_of_the_reference() {
         // Vc 200 m/min, 0.2 mm/rev, D50 → 0, n_max 3000: 2.415 s + 1.061 s = 3.476 s
-        let speed = Speed { surface: 200_000.0, max: 3000.0, min: 0.0 };
+        let speed = SurfaceSpeed { surface: 200_000.0, max: 3000.0, min: 0.0 };
         let seconds = speed.line_minutes(25.0, 0.0, 25.0, 0.2) * 60.0;
         assert!((seconds - 3.476).abs() < 0.001, "{seconds}");
         let clamp = 200_000.0 / (TAU * 3000.0);
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn across_the_centre_counts_both_sides() {
-        let speed = Speed { surface: 200_000.0, max: 3000.0, min: 0.0 };
+        let speed = SurfaceSpeed { surface: 200_000.0, max: 3000.0, min: 0.0 };
         let one = speed.line_minutes(25.0, 0.0, 25.0, 0.2);
         let both = speed.line_minutes(25.0, -25.0, 50.0, 0.2);
         assert!((both - 2.0 * one).abs() < 1e-12);
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn arc_agrees_with_many_chords() {
-        let speed = Speed { surface: 150_000.0, max: 2500.0, min: 60.0 };
+        let speed = SurfaceSpeed { surface: 150_000.0, max: 2500.0, min: 60.0 };
         let arc = arc::by_center([0.0, 3.0], [20.0, 3.0], [10.0, 6.0], false).unwrap();
         for radial in [0, 1] {
             let exact = speed.arc_minutes(&arc, radial, 0.15);

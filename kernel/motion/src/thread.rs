@@ -3,7 +3,7 @@
 //! The lead changes by the same amount with each revolution, `L(n) = L₀ + c·n`, so the path is `L₀·n + c·n²/2`.
 //! *Invariant:* everything is integrated exactly, under constant surface speed too.
 
-use crate::surface_speed::Speed;
+use crate::surface_speed::SurfaceSpeed;
 
 /// Lead of a thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ impl Lead {
 
     /// Minutes over a path under constant surface speed, while the radius goes from `r0` to `r1`.
     #[must_use]
-    pub fn surface_minutes(&self, way: f64, speed: &Speed, r0: f64, r1: f64) -> Option<f64> {
+    pub fn surface_minutes(&self, way: f64, speed: &SurfaceSpeed, r0: f64, r1: f64) -> Option<f64> {
         self.revolutions(way)?;
         let at = |n: f64| speed.per_rev(r0 + (r1 - r0) * (self.start * n + self.change * n * n / 2.0) / way);
         let mut sum = 0.0;
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn surface_speed_agrees_with_many_pieces() {
-        let speed = Speed { surface: 100_000.0, max: 1200.0, min: 0.0 };
+        let speed = SurfaceSpeed { surface: 100_000.0, max: 1200.0, min: 0.0 };
         for change in [0.0, 0.3, -0.05] {
             let lead = Lead { start: 2.0, change };
             for (r0, r1) in [(10.0, 20.0), (25.0, 5.0), (8.0, 8.0), (-3.0, 20.0)] {

@@ -5,33 +5,33 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, O
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-pub use crate::Stop;
-use crate::dialog::operator::Operator;
-pub use crate::state::State;
+pub use crate::StopSignal;
+use crate::dialog::operator::DialogOperator;
+pub use crate::state::ChannelActivity;
 use crate::step::Console;
 use crate::system::System;
-use counterpoint_event::event::Wait;
+use counterpoint_event::event::WaitArrival;
 
 /// Shared between the runner and the watcher of a job. Reading progress never slows a kernel.
 #[derive(Default)]
-pub struct Control {
-    stop: Stop,
+pub struct JobControl {
+    stop: StopSignal,
     /// One entry per channel in ascending channel number.
-    progress: Box<[Progress]>,
+    progress: Box<[ChannelProgress]>,
     /// Takes the place of a missing one.
-    spare: Progress,
+    spare: ChannelProgress,
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
-    operator: Option<Arc<dyn Operator>>,
+    operator: Option<Arc<dyn DialogOperator>>,
     system: Option<Arc<dyn System>>,
     console: Option<Arc<dyn Console>>,
-    used: Used,
+    used: ThreadCpuTime,
     reached: OnceLock<Limit>,
     outside: AtomicBool,
 }
 
 /// Processor time of the threads that a run has started.
 #[derive(Default)]
-struct Used {
+struct ThreadCpuTime {
     clock: Option<fn() -> Duration>,
     ns: AtomicU64,
 }
@@ -64,16 +64,16 @@ impl Drop for Meter<'_> {
     }
 }
 
-impl Control {
+impl JobControl {
     /// For a job of `channels` channels.
     #[must_use]
     pub fn new(channels: usize) -> Self {
-        Self { progress: (0..channels).map(|_| Progress::default()).collect(), ..Self::default() }
+        Self { progress: (0..channels).map(|_| ChannelProgress::default()).collect(), ..Self::default() }
     }
 
     /// The holder of `stop` can also cancel the job.
     #[must_use]
-    pub fn with_stop(mut self, stop: Stop) -> Self {
+    pub fn with_stop(mut self, stop: StopSignal) -> Self {
         self.stop = stop;
         self.stop.set_stepped(self.console.is_some());
         self
@@ -88,14 +88,14 @@ impl Control {
 
     /// Adds an operator who answers dialogs without a prepared answer.
     #[must_use]
-    pub fn with_operator(mut self, operator: Arc<dyn Operator>) -> Self {
+    pub fn with_operator(mut self, operator: Arc<dyn DialogOperator>) -> Self {
         self.operator = Some(operator);
         self
     }
 
     /// The operator who answers dialogs.
     #[must_use]
-    pub fn operator(&self) -> Option<&dyn Operator> {
+    pub fn operator(&self) -> Option<&dyn DialogOperator> {
         self.operator.as_deref()
     }
 
@@ -207,18 +207,18 @@ impl Control {
 
     /// The request itself, to be checked where there is no control.
     #[must_use]
-    pub fn stop(&self) -> &Stop {
+    pub fn stop(&self) -> &StopSignal {
         &self.stop
     }
 
     /// Live progress by channel, ascending channel number.
     #[must_use]
-    pub fn progress(&self) -> &[Progress] {
+    pub fn progress(&self) -> &[ChannelProgress] {
         &self.progress
     }
 
     /// Progress without a reader.
-    pub fn spare(&self) -> &Progress {
+    pub fn spare(&self) -> &ChannelProgress {
         &self.spare
     }
 
@@ -230,16 +230,16 @@ impl Control {
     }
 }
 
-impl std::fmt::Debug for Control {
+impl std::fmt::Debug for JobControl {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Control").field("cancelled", &self.cancelled()).finish_non_exhaustive()
+        f.debug_struct("JobControl").field("cancelled", &self.cancelled()).finish_non_exhaustive()
     }
 }
 
 /// Where one channel stands, as far as its kernel has run (which may be ahead of the ordered log).
 #[derive(Debug, Default)]
 #[repr(align(64))]
-pub struct Progress {
+pub struct ChannelProgress {
     /// Blocks processed.
     pub blocks: AtomicU64,
     /// Simulated time, ns.
@@ -248,42 +248,42 @@ pub struct Progress {
     pub line: AtomicU32,
     /// File being executed.
     pub file: AtomicU32,
-    /// [`State`] as a number.
+    /// [`ChannelActivity`] as a number.
     pub state: AtomicU8,
-    standing: Mutex<Option<Arc<Wait>>>,
+    standing: Mutex<Option<Arc<WaitArrival>>>,
 }
 
-impl Progress {
+impl ChannelProgress {
     /// Current state.
     #[must_use]
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> ChannelActivity {
         match self.state.load(Ordering::Relaxed) {
-            1 => State::Running,
-            2 => State::Waiting,
-            3 => State::Ended,
-            4 => State::Alarmed,
-            5 => State::NotStarted,
-            6 => State::Stopped,
-            7 => State::Blocked,
-            _ => State::Ready,
+            1 => ChannelActivity::Running,
+            2 => ChannelActivity::Waiting,
+            3 => ChannelActivity::Ended,
+            4 => ChannelActivity::Alarmed,
+            5 => ChannelActivity::NotStarted,
+            6 => ChannelActivity::Stopped,
+            7 => ChannelActivity::Blocked,
+            _ => ChannelActivity::Ready,
         }
     }
 
-    /// The wait of the channel, if its state is [`State::Waiting`].
+    /// The wait of the channel, if its state is [`ChannelActivity::Waiting`].
     #[must_use]
-    pub fn waiting_for(&self) -> Option<Arc<Wait>> {
+    pub fn waiting_for(&self) -> Option<Arc<WaitArrival>> {
         let standing = self.standing.lock().unwrap_or_else(PoisonError::into_inner);
-        standing.as_ref().filter(|_| self.state() == State::Waiting).cloned()
+        standing.as_ref().filter(|_| self.state() == ChannelActivity::Waiting).cloned()
     }
 
     /// The state of the channel has changed.
-    pub fn set_state(&self, state: State) {
+    pub fn set_state(&self, state: ChannelActivity) {
         self.state.store(state as u8, Ordering::Relaxed);
     }
 
     /// Records that the channel is at a wait.
-    pub fn stand(&self, wait: Arc<Wait>) {
+    pub fn stand(&self, wait: Arc<WaitArrival>) {
         *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(wait);
-        self.set_state(State::Waiting);
+        self.set_state(ChannelActivity::Waiting);
     }
 }

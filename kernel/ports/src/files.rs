@@ -4,7 +4,7 @@ pub use bytes::Bytes;
 
 /// Why a file could not be had.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
+pub enum FileError {
     /// No such file in the job.
     #[error("no file '{0}' in the job")]
     Missing(String),
@@ -19,12 +19,12 @@ pub enum Error {
 }
 
 /// Read-only view of a job's files by relative path with `/` between parts.
-pub trait Files: Send + Sync {
+pub trait JobFiles: Send + Sync {
     /// Whole content of a file; cheap to hand on.
     ///
     /// # Errors
-    /// [`Error`] when there is no such file or it cannot be read.
-    fn read(&self, path: &str) -> Result<Bytes, Error>;
+    /// [`FileError`] when there is no such file or it cannot be read.
+    fn read(&self, path: &str) -> Result<Bytes, FileError>;
 
     /// All paths, sorted.
     fn list(&self) -> Vec<String>;
@@ -32,18 +32,18 @@ pub trait Files: Send + Sync {
 
 /// Files held in memory.
 #[derive(Debug, Clone, Default)]
-pub struct Memory(pub std::collections::BTreeMap<String, Bytes>);
+pub struct MemoryFiles(pub std::collections::BTreeMap<String, Bytes>);
 
-impl Memory {
+impl MemoryFiles {
     /// Adds or replaces a file.
     pub fn insert(&mut self, path: impl Into<String>, content: impl AsRef<[u8]>) {
         self.0.insert(path.into(), Bytes::copy_from_slice(content.as_ref()));
     }
 }
 
-impl Files for Memory {
-    fn read(&self, path: &str) -> Result<Bytes, Error> {
-        self.0.get(path).cloned().ok_or_else(|| Error::Missing(path.to_owned()))
+impl JobFiles for MemoryFiles {
+    fn read(&self, path: &str) -> Result<Bytes, FileError> {
+        self.0.get(path).cloned().ok_or_else(|| FileError::Missing(path.to_owned()))
     }
 
     fn list(&self) -> Vec<String> {

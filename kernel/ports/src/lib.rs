@@ -13,5 +13,5 @@ pub mod step;
 mod stop;
 pub mod system;
 
-pub use shares::Shares;
-pub use stop::Stop;
+pub use shares::MemoryShares;
+pub use stop::StopSignal;

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dialog::answers::Answer;
+use crate::dialog::answers::DialogAnswer;
 
 /// Options of one job.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Options {
+pub struct JobOptions {
     /// Optional-skip levels (1–9) that are switched on; 0 = that of a mark without a digit.
     pub opskip: Vec<u8>,
     /// Optional stop (M1) acts as a stop.
@@ -25,7 +25,7 @@ pub struct Options {
     pub parameters: String,
     /// Answers to the dialogs of the machine; without one a dialog fails.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub answers: Vec<Answer>,
+    pub answers: Vec<DialogAnswer>,
     /// Whether an operator attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
@@ -36,8 +36,8 @@ pub struct Options {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub lint: bool,
     /// Reaction when two channels access one shared variable in an order that only timing decides.
-    #[serde(skip_serializing_if = "Races::is_off")]
-    pub races: Races,
+    #[serde(skip_serializing_if = "RacePolicy::is_off")]
+    pub races: RacePolicy,
     /// Numbers of warnings and messages that are not reported; alarms and errors stay.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings_off: Vec<u32>,
@@ -48,7 +48,7 @@ pub struct Options {
     #[serde(skip_serializing_if = "TimeModel::is_full")]
     pub time: TimeModel,
     /// Limits.
-    pub limits: Limits,
+    pub limits: JobLimits,
 }
 
 /// How moves at feed are timed.
@@ -73,7 +73,7 @@ impl TimeModel {
 /// The consequences of two accesses to a shared variable that nothing puts in order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Races {
+pub enum RacePolicy {
     /// No check.
     #[default]
     Off,
@@ -83,7 +83,7 @@ pub enum Races {
     Alarm,
 }
 
-impl Races {
+impl RacePolicy {
     /// Whether races are not checked.
     #[must_use]
     pub fn is_off(&self) -> bool {
@@ -91,11 +91,11 @@ impl Races {
     }
 }
 
-/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; a request beyond [`Limits::MOST`]
+/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; a request beyond [`JobLimits::MOST`]
 /// counts as that maximum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Limits {
+pub struct JobLimits {
     /// Simulated time, ns.
     pub simulated_ns: i64,
     /// Blocks per channel.
@@ -116,9 +116,9 @@ pub struct Limits {
     pub macro_steps: u64,
 }
 
-impl Limits {
+impl JobLimits {
     /// The most that a job may ask for.
-    pub const MOST: Limits = Limits {
+    pub const MOST: JobLimits = JobLimits {
         simulated_ns: 366 * 24 * 3600 * 1_000_000_000,
         blocks: 10_000_000_000,
         zero_time_blocks: 1_000_000_000,
@@ -132,9 +132,9 @@ impl Limits {
 
     /// These limits, none beyond [`MOST`](Self::MOST).
     #[must_use]
-    pub fn capped(&self) -> Limits {
+    pub fn capped(&self) -> JobLimits {
         let most = &Self::MOST;
-        Limits {
+        JobLimits {
             simulated_ns: self.simulated_ns.min(most.simulated_ns),
             blocks: self.blocks.min(most.blocks),
             zero_time_blocks: self.zero_time_blocks.min(most.zero_time_blocks),
@@ -148,7 +148,7 @@ impl Limits {
     }
 }
 
-impl Default for Limits {
+impl Default for JobLimits {
     fn default() -> Self {
         Self {
             simulated_ns: 24 * 3600 * 1_000_000_000,

@@ -3,7 +3,7 @@
 /// Current activity of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-pub enum State {
+pub enum ChannelActivity {
     /// Not yet started.
     #[default]
     Ready = 0,

@@ -7,14 +7,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::dialog::answers::Value;
-use crate::state::State;
-use counterpoint_event::event::Wait;
+use crate::dialog::answers::DialogValue;
+use crate::state::ChannelActivity;
+use counterpoint_event::event::WaitArrival;
 use counterpoint_event::{FileId, Position, SourcePlace};
 
 /// The commands of the operator.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Command {
+pub enum StepCommand {
     /// Runs a number of blocks.
     Step {
         /// Of which channels.
@@ -44,7 +44,7 @@ pub enum Command {
     Detach,
 }
 
-impl Command {
+impl StepCommand {
     /// Whether the job runs on by it, so that the answer is the next stop.
     #[must_use]
     pub fn runs(&self) -> bool {
@@ -81,7 +81,7 @@ pub struct Breakpoint {
     /// Its number, from 1; 0 before it is set.
     pub id: u32,
     /// Where.
-    pub spot: Spot,
+    pub spot: BreakLocation,
     /// It stops at every `count`-th hit; 0 and 1: at every one.
     pub count: u32,
     /// It is deleted when it stops the run.
@@ -90,7 +90,7 @@ pub struct Breakpoint {
 
 /// Where a breakpoint is.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Spot {
+pub enum BreakLocation {
     /// Where a channel comes to a wait, by its text (`M101 P12`), word (`M101`) or mark (`101`); empty = any wait.
     Wait(String),
     /// After a channel has written a variable that channels share (`#500`, or a name).
@@ -108,11 +108,11 @@ pub enum Spot {
 
 /// Answers to the operator. Every command has one answer; that of a command that runs is the next stop.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Said {
+pub enum StepReply {
     /// The run has stopped.
-    Stopped(Report),
+    Stopped(StepReport),
     /// Where everything is.
-    State(Report),
+    State(StepReport),
     /// A breakpoint is set, with its number.
     Added(Breakpoint),
     /// The command is not possible, and why.
@@ -121,7 +121,7 @@ pub enum Said {
 
 /// Where everything is.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
+pub struct StepReport {
     /// Why the run is paused, for a person.
     pub reason: String,
     /// The channel that the reason is about; 0 = none.
@@ -129,7 +129,7 @@ pub struct Report {
     /// All channels, ascending.
     pub channels: Vec<ChannelReport>,
     /// Variables that channels share and that have a value, by name.
-    pub variables: Vec<(String, Value)>,
+    pub variables: Vec<(String, DialogValue)>,
     /// Breakpoints.
     pub breakpoints: Vec<Breakpoint>,
 }
@@ -140,7 +140,7 @@ pub struct ChannelReport {
     /// Its number.
     pub channel: u16,
     /// Its effect.
-    pub state: State,
+    pub state: ChannelActivity,
     /// File of its block.
     pub file: String,
     /// Line of its block; 0 = it has not come to one yet.
@@ -150,7 +150,7 @@ pub struct ChannelReport {
     /// Simulated time, ns.
     pub t_ns: i64,
     /// Its wait.
-    pub wait: Option<Arc<Wait>>,
+    pub wait: Option<Arc<WaitArrival>>,
     /// Feed hold.
     pub held: bool,
     /// The block is in progress; otherwise it is the next one.
@@ -158,14 +158,14 @@ pub struct ChannelReport {
     /// Programmed positions by axis, in the work frame.
     pub positions: Vec<(String, f64)>,
     /// Variables of its own that have a value, those of the running program first, as of the beginning of the block.
-    pub variables: Vec<(String, Value)>,
+    pub variables: Vec<(String, DialogValue)>,
     /// Words that the control remembers, by address.
     pub words: Vec<(char, f64)>,
 }
 
 /// Information that a kernel gives about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Seen {
+pub struct KernelSnapshot {
     /// Its channel.
     pub channel: u16,
     /// File of the block.
@@ -186,9 +186,9 @@ pub struct Seen {
 
 /// An event that a kernel has reached within a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event<'e> {
+pub enum StepEvent<'e> {
     /// It comes to a wait.
-    Wait(&'e Wait, u32),
+    Wait(&'e WaitArrival, u32),
     /// It has written a shared variable: its name, and the value if it is a number.
     Write(&'e str, Option<f64>),
 }
@@ -203,14 +203,14 @@ pub enum Go {
 }
 
 /// Shared data, on request.
-pub type Common<'c> = dyn FnMut() -> Vec<(String, Value)> + 'c;
+pub type Common<'c> = dyn FnMut() -> Vec<(String, DialogValue)> + 'c;
 
 /// Requests of the kernels of a job with stepping.
 pub trait Stepper: Sync {
     /// A kernel is before a block; `true`: it begins the block at once without giving the run away, since nothing stops
     /// the run there. `first`: no other kernel is further behind. Variables are requested if they may be others than
     /// the last time.
-    fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
+    fn stands(&self, place: &KernelSnapshot, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
 
     /// Whether a breakpoint is before this block of a resident program; steps go over all others.
     fn breaks_at(&self, place: SourcePlace) -> bool;
@@ -219,7 +219,7 @@ pub trait Stepper: Sync {
     fn listens(&self) -> bool;
 
     /// A kernel has come to something within its block; `true`: the run stops here.
-    fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool;
+    fn comes_to(&self, event: StepEvent<'_>, seen: &mut dyn FnMut() -> KernelSnapshot) -> bool;
 
     /// For the only kernel of a job: waits until it may continue.
     fn hold_alone(&self, channel: u16, common: &mut Common<'_>);
@@ -232,7 +232,7 @@ pub trait Stepper: Sync {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Heard {
     /// A command.
-    Command(Command),
+    Command(StepCommand),
     /// Nothing yet.
     Nothing,
     /// No more commands will come: the job runs to its end.
@@ -251,5 +251,5 @@ pub trait Console: Send + Sync {
     fn wait(&self, at_most: Duration) -> Heard;
 
     /// Tells the operator something.
-    fn say(&self, said: Said);
+    fn say(&self, said: StepReply);
 }

@@ -16,17 +16,17 @@ const SUSPENDED: u8 = 4;
 /// check it before every block. So a stepped job and a suspended job are also marked here, at no cost for other jobs.
 /// *Invariant:* the end takes precedence: a kernel that is to end never waits.
 #[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<Wishes>);
+pub struct StopSignal(Arc<StopFlags>);
 
 #[derive(Debug, Default)]
-struct Wishes {
+struct StopFlags {
     bits: AtomicU8,
     /// Held while the end is requested and while a suspension ends, so that no new waiter misses it.
     changing: Mutex<()>,
     changed: Condvar,
 }
 
-impl Stop {
+impl StopSignal {
     /// Asks for the end; it is never taken back.
     pub fn ask(&self) {
         self.0.bits.fetch_or(END, Ordering::Relaxed);
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     /// A thread that waits while the job is suspended, and whether it was to end when it came through.
-    fn waiting(stop: &Stop) -> std::sync::mpsc::Receiver<bool> {
+    fn waiting(stop: &StopSignal) -> std::sync::mpsc::Receiver<bool> {
         let (through, came) = channel();
         let stop = stop.clone();
         std::thread::spawn(move || {
@@ -128,8 +128,8 @@ mod tests {
 
     #[test]
     fn a_suspended_job_waits_until_it_is_resumed_or_to_end() {
-        for (end, asked) in [(Stop::resume as fn(&Stop), false), (Stop::ask, true)] {
-            let stop = Stop::default();
+        for (end, asked) in [(StopSignal::resume as fn(&StopSignal), false), (StopSignal::ask, true)] {
+            let stop = StopSignal::default();
             stop.suspend();
             let came = waiting(&stop);
             assert_eq!(came.recv_timeout(Duration::from_millis(20)), Err(RecvTimeoutError::Timeout));
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_job_that_is_to_end_is_never_kept() {
-        let stop = Stop::default();
+        let stop = StopSignal::default();
         stop.ask();
         stop.suspend();
         assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(true));

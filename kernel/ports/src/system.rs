@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 /// A command.
 #[derive(Debug)]
-pub struct Call<'a> {
+pub struct SystemCommand<'a> {
     /// The output of the macro.
     pub command: &'a str,
     /// Current folder below the folder of the run, empty for that one.
@@ -20,7 +20,7 @@ pub struct Call<'a> {
 
 /// Its outcome.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Answer {
+pub struct CommandOutcome {
     /// Status for `$ERRNO`: that of the command, or one above 0 that tells why there is none.
     pub status: i32,
     /// Its output.
@@ -34,5 +34,5 @@ pub struct Answer {
 /// Starts commands.
 pub trait System: Send + Sync {
     /// Runs a command to its end, or until `cancelled` is true.
-    fn run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> Answer;
+    fn run(&self, call: &SystemCommand<'_>, cancelled: &dyn Fn() -> bool) -> CommandOutcome;
 }

@@ -44,7 +44,7 @@ pub struct PendingCode {
 
 /// A value removed from the block.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Datum {
+pub struct RetrievedValue {
     /// Value after factor and change of units.
     pub value: f64,
     /// Written with the incremental name.

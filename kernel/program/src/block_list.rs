@@ -12,7 +12,7 @@ const MOST_KEPT: usize = 1000;
 
 /// Where the parts of a block end, and its properties as a whole.
 #[derive(Debug, Clone, Copy)]
-struct Ended {
+struct BlockBoundary {
     words: usize,
     texts: usize,
     unrecognised: usize,
@@ -29,7 +29,7 @@ pub struct BlockList {
     texts: Vec<CodeRowId>,
     unrecognised: Vec<(u32, u32)>,
     text: String,
-    ends: Vec<Ended>,
+    ends: Vec<BlockBoundary>,
 }
 
 impl BlockList {
@@ -68,7 +68,7 @@ impl BlockList {
         self.unrecognised.append(&mut block.unrecognised);
         self.text.push_str(text);
         text.clear();
-        self.ends.push(Ended {
+        self.ends.push(BlockBoundary {
             words: self.words.len(),
             texts: self.texts.len(),
             unrecognised: self.unrecognised.len(),

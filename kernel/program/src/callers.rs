@@ -5,8 +5,8 @@
 
 use rustc_hash::FxHashSet;
 
-use super::shape::{Range, leading_number, program_name};
-use super::source::Source;
+use super::shape::{ProgramRange, leading_number, program_name};
+use super::source::ProgramSource;
 use super::syntax::{NamedPrograms, Syntax};
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::codes;
@@ -28,15 +28,15 @@ pub struct Callers {
 
 /// Programs that a text calls.
 #[derive(Debug, Default)]
-pub(super) struct Called {
+pub(super) struct CalledPrograms {
     numbers: FxHashSet<u32>,
     /// In capitals.
     names: FxHashSet<Vec<u8>>,
 }
 
-impl Called {
+impl CalledPrograms {
     /// Whether it calls the program that begins in this line.
-    pub(super) fn has(&self, source: &Source, range: Range) -> bool {
+    pub(super) fn has(&self, source: &ProgramSource, range: ProgramRange) -> bool {
         match (range.number, source.name_at(range.first)) {
             (Some(number), _) => self.numbers.contains(&number),
             (None, Some(name)) => self.names.contains(&name.to_ascii_uppercase()),
@@ -80,7 +80,7 @@ impl Callers {
     }
 
     /// Whether a line of a range ends a program or returns.
-    pub fn ends_in(&self, source: &Source, range: Range) -> bool {
+    pub fn ends_in(&self, source: &ProgramSource, range: ProgramRange) -> bool {
         source.walk(range.first, range.last).any(|line| {
             let text = source.words(line);
             let ends = |&(letter, number): &(u8, u32)| {
@@ -93,7 +93,7 @@ impl Callers {
     }
 
     /// Programs that the lines of a range call.
-    pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
+    pub(super) fn called(&self, source: &ProgramSource, range: ProgramRange, into: &mut CalledPrograms) {
         for line in source.walk(range.first, range.last) {
             let text = source.words(line);
             if let Some(name) = self.named.and_then(|names| (names.called)(&text)) {
@@ -119,19 +119,19 @@ impl Callers {
     }
 
     /// Whether the program says itself that it is a subprogram.
-    pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
+    pub(super) fn returns(&self, source: &ProgramSource, range: ProgramRange) -> bool {
         self.named
             .is_some_and(|names| source.walk(range.first, range.last).any(|line| (names.returns)(source.line(line))))
     }
 
     /// Channel and number of a program of a job archive.
-    pub(super) fn in_archive(&self, source: &Source, range: Range) -> Option<(u16, u32)> {
+    pub(super) fn in_archive(&self, source: &ProgramSource, range: ProgramRange) -> Option<(u16, u32)> {
         let named = self.named.and_then(|names| names.in_archive)?;
         source.walk(range.first, range.last).find_map(|line| named(source.line(line)))
     }
 
     /// Whether a word by itself calls this program.
-    pub(super) fn by_word(&self, range: Range) -> bool {
+    pub(super) fn by_word(&self, range: ProgramRange) -> bool {
         let within = |number: u32| self.numbers.iter().any(|(first, last)| (first..=last).contains(&&number));
         range.number.is_some_and(within)
     }
@@ -142,9 +142,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::shape::Shape;
-    use crate::spot::Spot;
-    use counterpoint_ports::control::Stop;
+    use crate::shape::ProgramDelimiters;
+    use crate::spot::BlockStart;
+    use counterpoint_ports::control::StopSignal;
 
     fn callers() -> Callers {
         let ends = vec![(b'M', 2), (b'M', 30)];
@@ -153,26 +153,26 @@ mod tests {
 
     #[test]
     fn text_before_the_first_definition() {
-        let programs = |text: &str| Source::new("t", text.to_owned().into()).programs().to_vec();
-        let heading = Range { number: None, first: 1, last: 2 };
+        let programs = |text: &str| ProgramSource::new("t", text.to_owned().into()).programs().to_vec();
+        let heading = ProgramRange { number: None, first: 1, last: 2 };
         assert_eq!(programs("G0 X1\nM30\nO2\nM99")[0], heading);
         assert_eq!(programs("(only a comment)\n\n%\n(another)\nO2\nM99").len(), 1);
         assert_eq!(programs("LEADER\n%\nO2\nM99").len(), 1);
-        assert_eq!(programs("%\n(part) G0 X1\nO2\nM99")[0], Range { number: None, first: 2, last: 2 });
-        let source = Source::new("t", "G0 X1 (M30)\nM20\nM02\n".to_owned().into());
-        assert!(callers().ends_in(&source, Range { number: None, first: 1, last: 3 }));
+        assert_eq!(programs("%\n(part) G0 X1\nO2\nM99")[0], ProgramRange { number: None, first: 2, last: 2 });
+        let source = ProgramSource::new("t", "G0 X1 (M30)\nM20\nM02\n".to_owned().into());
+        assert!(callers().ends_in(&source, ProgramRange { number: None, first: 1, last: 3 }));
         assert!(!callers().ends_in(&source, heading));
     }
 
     #[test]
     fn programs_of_a_file() {
-        let source = Source::new("t", b"%\nO2101 (A)\nG1\nM99\nO2102\nM98 P0031000\nM30\n%".as_slice().into());
+        let source = ProgramSource::new("t", b"%\nO2101 (A)\nG1\nM99\nO2102\nM98 P0031000\nM30\n%".as_slice().into());
         let found = source.programs();
         assert_eq!(found.len(), 2);
         assert_eq!((found[0].number, found[0].first, found[0].last), (Some(2101), 2, 4));
         assert_eq!((found[1].number, found[1].first, found[1].last), (Some(2102), 5, 8));
         let callers = callers();
-        let mut called = Called::default();
+        let mut called = CalledPrograms::default();
         callers.called(&source, found[1], &mut called);
         assert_eq!(called.numbers, FxHashSet::from_iter([31000, 1000]));
         assert!(source.sequences(10).is_empty());
@@ -181,21 +181,29 @@ mod tests {
     #[test]
     fn programs_by_name() {
         let text = b"O1\nM98 <Face.2>\n<FACE.2> (second)\nM99\n<a b>\n<>\n".as_slice();
-        let source = Source::shaped("t", text.into(), Arc::new(Shape::with_angle_names()), Stop::default());
+        let source = ProgramSource::shaped(
+            "t",
+            text.into(),
+            Arc::new(ProgramDelimiters::with_angle_names()),
+            StopSignal::default(),
+        );
         let found = source.programs();
-        assert_eq!(found, [Range { number: Some(1), first: 1, last: 2 }, Range { number: None, first: 3, last: 6 }]);
+        assert_eq!(
+            found,
+            [ProgramRange { number: Some(1), first: 1, last: 2 }, ProgramRange { number: None, first: 3, last: 6 }]
+        );
         assert_eq!(source.named("face.2"), Some(found[1]));
         assert_eq!(source.named("face"), None);
         let callers = callers();
-        let mut called = Called::default();
+        let mut called = CalledPrograms::default();
         callers.called(&source, found[0], &mut called);
         assert!(called.has(&source, found[1]));
     }
 
     #[test]
     fn a_file_without_definition_is_one_program() {
-        let source = Source::new("t", b"N10 G1\nN20 M30\n".as_slice().into());
-        assert_eq!(source.programs(), [Range { number: None, first: 1, last: 2 }]);
-        assert_eq!(source.sequences(20), [Spot::line(2)]);
+        let source = ProgramSource::new("t", b"N10 G1\nN20 M30\n".as_slice().into());
+        assert_eq!(source.programs(), [ProgramRange { number: None, first: 1, last: 2 }]);
+        assert_eq!(source.sequences(20), [BlockStart::line(2)]);
     }
 }

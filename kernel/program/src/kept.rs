@@ -25,7 +25,7 @@ type Key = (FileId, u32);
 
 /// Lines by file and line number.
 #[derive(Debug)]
-pub struct Kept<L> {
+pub struct LineCache<L> {
     lines: FxHashMap<Key, Arc<L>>,
     /// Those that were requested last, each at the place that its number gives it; none where it is not kept, or taken.
     at_hand: Box<[Option<Arc<L>>; AT_HAND]>,
@@ -37,14 +37,14 @@ pub struct Kept<L> {
 /// No line has the number 0.
 const NOTHING: Key = (0, 0);
 
-impl<L> Default for Kept<L> {
+impl<L> Default for LineCache<L> {
     fn default() -> Self {
         let (at_hand, keys) = (Box::new([const { None }; AT_HAND]), Box::new([NOTHING; AT_HAND]));
         Self { lines: FxHashMap::default(), at_hand, keys, bytes: 0 }
     }
 }
 
-impl<L> Kept<L> {
+impl<L> LineCache<L> {
     /// A line that was kept.
     #[inline(always)]
     pub fn get(&mut self, key: Key) -> Option<&Arc<L>> {
@@ -123,27 +123,27 @@ impl<L> Kept<L> {
 const MOST_OF_TABLES: usize = 64 << 20;
 
 /// A table of the content of a program or file.
-pub trait Table {
+pub trait CachedTable {
     /// Bytes that it takes, about.
     fn bytes(&self) -> usize;
 }
 
 /// Tables by file, or by program.
 #[derive(Debug)]
-pub struct Tables<K, T> {
+pub struct TableCache<K, T> {
     tables: FxHashMap<K, Arc<T>>,
     /// The table that was requested last.
     at_hand: Option<(K, Arc<T>)>,
     bytes: usize,
 }
 
-impl<K, T> Default for Tables<K, T> {
+impl<K, T> Default for TableCache<K, T> {
     fn default() -> Self {
         Self { tables: FxHashMap::default(), at_hand: None, bytes: 0 }
     }
 }
 
-impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
+impl<K: Copy + Eq + Hash, T: CachedTable> TableCache<K, T> {
     /// The table of a file or program, made when it is wanted for the first time.
     #[inline]
     pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T>
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_million_lines_stay_within_the_bound() {
-        let mut kept = Kept::default();
+        let mut kept = LineCache::default();
         for line in 0..1_000_000 {
             kept.insert((0, line), &Arc::new(line), 20);
             assert!(kept.bytes() <= MOST && kept.lines.len() * LINE <= MOST);
@@ -213,8 +213,8 @@ mod tests {
 
     #[test]
     fn a_line_at_hand_is_that_of_its_file_and_the_latest() {
-        let mut kept = Kept::default();
-        let number = |kept: &mut Kept<u32>, key| kept.get(key).map(|line| **line);
+        let mut kept = LineCache::default();
+        let number = |kept: &mut LineCache<u32>, key| kept.get(key).map(|line| **line);
         let far = 5 + AT_HAND as u32;
         for (file, line) in [(0, 5), (1, 5), (0, far)] {
             kept.insert((file, line), &Arc::new(u32::from(file) * 1000 + line), 20);
@@ -231,7 +231,7 @@ mod tests {
         assert_eq!(number(&mut kept, (0, far)), None);
     }
 
-    impl Table for usize {
+    impl CachedTable for usize {
         fn bytes(&self) -> usize {
             *self
         }
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn tables_stay_within_their_bound() {
-        let mut tables = Tables::default();
+        let mut tables = TableCache::default();
         for file in 0..100 {
             tables.get(file, || MOST_OF_TABLES / 8);
             assert!(tables.bytes() <= MOST_OF_TABLES);

@@ -40,7 +40,7 @@ pub struct Formulas {
 
 /// Properties of a machine besides words of one letter.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Names<'a> {
+pub struct StatementVocabulary<'a> {
     /// Literal texts that look like words, and special registers.
     pub literal_first: Option<&'a LiteralFirst>,
     /// All literal texts with their rows, longest first.
@@ -51,7 +51,7 @@ pub struct Names<'a> {
     pub key_words: KeyWords,
 }
 
-impl<'a> Names<'a> {
+impl<'a> StatementVocabulary<'a> {
     /// Literal texts that begin with a byte, with their rows, longest first.
     pub fn texts(&self, byte: u8) -> &'a [(Vec<u8>, CodeRowId)] {
         self.texts.map_or(&[], |texts| texts.of(byte))
@@ -60,7 +60,7 @@ impl<'a> Names<'a> {
 
 /// A number as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Number {
+pub struct WrittenNumber {
     /// Value read as a plain number.
     pub value: f64,
     /// A decimal point was written.
@@ -74,7 +74,7 @@ pub struct Number {
 /// Whether a keyword of statements, or its first letters, is at a place: it starts and ends there with its letters, and
 /// no longer literal text is there.
 #[inline]
-pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
+pub fn key_word(names: StatementVocabulary<'_>, line: &[u8], at: usize) -> bool {
     // Most words end after their letter.
     let rest = line.get(at..).unwrap_or_default();
     let &[first, second, ..] = rest else { return false };
@@ -86,7 +86,7 @@ pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
 }
 
 /// Whether the letters at a place, two or more, are a keyword or open one.
-fn opens_key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
+fn opens_key_word(names: StatementVocabulary<'_>, line: &[u8], at: usize) -> bool {
     let rest = line.get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
     let letters = rest.get(..length).unwrap_or_default();

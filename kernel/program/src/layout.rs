@@ -7,40 +7,38 @@
 
 use std::sync::{Arc, OnceLock};
 
-use counterpoint_event::{Letters, Text, letters};
-use counterpoint_ports::Shares;
+use counterpoint_event::{Letters, Text};
+use counterpoint_ports::MemoryShares;
 use rustc_hash::FxHashSet;
 
 use super::callers::Callers;
 use super::mains::mains;
-use super::readers::{Reader, Readers};
+use super::option_checks;
+use super::readers::{ProgramReader, Readers};
 use super::sections;
-use super::shape::Range;
-use super::source::Source;
+use super::shape::ProgramRange;
+use super::source::ProgramSource;
 use super::sources::Sources;
 use super::syntax::Syntax;
-use crate::spec::{Program, Spec};
-use counterpoint_event::info::{Axis, Channel, File, Info, Section};
+use crate::spec::{ProgramSelection, Spec};
+use counterpoint_event::info::{FileSection, Info, JobAxis, JobChannel, JobFile};
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
 use counterpoint_machine::length_units::{begins_in_inches, unit_words};
-use counterpoint_machine::model::{Format, RewindStop};
+use counterpoint_machine::model::{ProgramTextFormat, RewindStop};
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_ports::control::Stop;
-use counterpoint_ports::files::Files;
-
-/// Characters that the user's parameters of a job may have.
-const MOST_PARAMETERS: usize = 1000;
+use counterpoint_ports::control::StopSignal;
+use counterpoint_ports::files::JobFiles;
 
 /// Assigns the programs of a job. When `stop` is requested meanwhile, the result is of no use.
 pub fn assign(
     spec: &Spec,
     syntax: impl Fn(&Machine) -> &'static Syntax,
-    files: &dyn Files,
-    stop: &Stop,
+    files: &dyn JobFiles,
+    stop: &StopSignal,
 ) -> Result<(Info, Sources), Vec<Finding>> {
     let mut findings = Vec::new();
-    check_options(spec, &mut findings);
+    option_checks::check(spec, &mut findings);
     let readers = Readers::of(&spec.machine, syntax);
     let (table, sources) = file_table(spec, &readers, files, stop, &mut findings);
     if spec.programs.is_empty() {
@@ -63,18 +61,18 @@ pub fn assign(
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
+        room: MemoryShares::of_channels(&spec.options.limits, channels.len()).room(),
         channels,
         files: table,
     };
     Ok((info, sources))
 }
 
-fn channels(machine: &Machine) -> Vec<Channel> {
+fn channels(machine: &Machine) -> Vec<JobChannel> {
     machine
         .channels
         .iter()
-        .map(|c| Channel {
+        .map(|c| JobChannel {
             number: c.number,
             name: c.name.clone(),
             program: String::new(),
@@ -87,49 +85,25 @@ fn channels(machine: &Machine) -> Vec<Channel> {
                 .axes
                 .iter()
                 .map(|axis| &machine.axes[*axis])
-                .map(|a| Axis { name: a.letter.clone(), rotary: a.role.is_rotary(), diameter: a.diameter })
+                .map(|a| JobAxis { name: a.letter.clone(), rotary: a.role.is_rotary(), diameter: a.diameter })
                 .collect(),
         })
         .collect()
 }
 
-fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
-    let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
-    for level in &spec.options.opskip {
-        if *level > 9 {
-            wrong(format!("block skip level {level} is not valid: expected 1 to 9, or 0 for the level of the machine"));
-        }
-    }
-    let parameters = &spec.options.parameters;
-    if parameters.chars().count() > MOST_PARAMETERS || parameters.chars().any(char::is_control) {
-        wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
-    }
-    if let Err(letter) = Letters::parse(&spec.options.trace) {
-        wrong(format!("'{}' is not a valid trace letter: expected any of {}", letter.escape_debug(), letters::ALL));
-    }
-    counterpoint_ports::dialog::answers::check(&spec.machine.dialogs, &spec.options.answers)
-        .into_iter()
-        .for_each(&mut wrong);
-    for channel in &spec.options.ignore_waits {
-        if !spec.machine.channels.iter().any(|c| c.number == *channel) {
-            wrong(format!("channel {channel} of ignore_waits is not on machine {}", spec.machine.name));
-        }
-    }
-}
-
-fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
+fn text_of(source: &Option<Arc<ProgramSource>>) -> Option<Arc<Text>> {
     source.as_ref().map(|source| Arc::clone(source.text()))
 }
 
 /// The stretches of a file that have names: those of its channels, otherwise its programs by name if there are several.
-fn sections_of(source: &Source) -> Vec<Section> {
+fn sections_of(source: &ProgramSource) -> Vec<FileSection> {
     if !source.sections().is_empty() {
         return source.sections().to_vec();
     }
     let named = source.programs().iter().filter_map(|range| {
         let name = source.name_at(range.first).filter(|_| range.number.is_none())?;
         let name = String::from_utf8_lossy(name).into();
-        Some(Section { channel: 0, name, lines: (range.first, range.last) })
+        Some(FileSection { channel: 0, name, lines: (range.first, range.last) })
     });
     if source.programs().len() > 1 { named.collect() } else { Vec::new() }
 }
@@ -137,17 +111,17 @@ fn sections_of(source: &Source) -> Vec<Section> {
 fn file_table(
     spec: &Spec,
     readers: &Readers<'_>,
-    files: &dyn Files,
-    stop: &Stop,
+    files: &dyn JobFiles,
+    stop: &StopSignal,
     findings: &mut Vec<Finding>,
-) -> (Vec<File>, Sources) {
+) -> (Vec<JobFile>, Sources) {
     let (mut table, mut sources) = (Vec::new(), Sources::new(readers.count()));
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shaped = |name: &str, bytes, reader: usize| {
         let reader = readers.at(reader);
         Arc::new(sections::source(name, bytes, Arc::clone(&reader.shape), stop.clone(), reader.machine))
     };
-    let file = |name: String, text, source: Option<&Source>| File {
+    let file = |name: String, text, source: Option<&ProgramSource>| JobFile {
         stored: name.starts_with(StoredFile::ROOT),
         resident: false,
         name,
@@ -188,23 +162,23 @@ fn file_table(
         };
         sources.push(|reader| Some(own(reader)));
         let file = file(name, OnceLock::from(text_of(&source)), source.as_deref());
-        table.push(File { resident: stored.resident, ..file });
+        table.push(JobFile { resident: stored.resident, ..file });
     }
     (table, sources)
 }
 
 /// One program to be placed.
-struct Candidate<'a> {
-    wish: &'a Program,
+struct PlacementCandidate<'a> {
+    wish: &'a ProgramSelection,
     file: u16,
-    range: Range,
+    range: ProgramRange,
     /// Its name in the file, where the file has several for channels.
     name: Option<String>,
     /// Channel that the file itself says.
     channel: Option<u16>,
 }
 
-impl Candidate<'_> {
+impl PlacementCandidate<'_> {
     fn error(&self, text: String) -> Finding {
         Finding::error(self.wish.file.clone(), self.range.first, 0, text)
     }
@@ -213,10 +187,10 @@ impl Candidate<'_> {
 fn candidates<'a>(
     spec: &'a Spec,
     readers: &Readers<'_>,
-    (table, sources): (&[File], &Sources),
+    (table, sources): (&[JobFile], &Sources),
     findings: &mut Vec<Finding>,
-) -> Vec<Candidate<'a>> {
-    let mut candidates: Vec<Candidate<'a>> = Vec::new();
+) -> Vec<PlacementCandidate<'a>> {
+    let mut candidates: Vec<PlacementCandidate<'a>> = Vec::new();
     // One more than fit is enough to say that there are too many.
     for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
@@ -225,7 +199,7 @@ fn candidates<'a>(
         let first = spec.programs.iter().position(|program| program.file == wish.file).unwrap_or(0);
         let reader = readers.of_program(&spec.programs, first);
         let Some(source) = sources.read_by(reader, file) else { continue };
-        let Reader { machine, callers, .. } = readers.at(reader);
+        let ProgramReader { machine, callers, .. } = readers.at(reader);
         let format = &machine.format;
         let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
         if source.walk(1, source.lines()).all(is_blank) {
@@ -243,7 +217,13 @@ fn candidates<'a>(
             let sections = sections.into_iter().map(|(channel, range)| {
                 let seen = source.seen_by(channel);
                 let range = opening(seen, range, format);
-                Candidate { wish, file, range, name: Some(section_name(source, channel)), channel: Some(channel) }
+                PlacementCandidate {
+                    wish,
+                    file,
+                    range,
+                    name: Some(section_name(source, channel)),
+                    channel: Some(channel),
+                }
             });
             candidates.extend(sections);
             continue;
@@ -267,7 +247,7 @@ fn candidates<'a>(
             },
             None if spec.programs.len() == 1 => mains(source, callers),
             None => {
-                let free = |r: &&Range| {
+                let free = |r: &&ProgramRange| {
                     !candidates.iter().any(|t| t.file == file && t.range.number == r.number && t.range.last == r.last)
                 };
                 let mains = mains(source, callers);
@@ -279,21 +259,25 @@ fn candidates<'a>(
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
             let range = opening(source, range, format);
-            candidates.push(Candidate { wish, file, range, name, channel: None });
+            candidates.push(PlacementCandidate { wish, file, range, name, channel: None });
         }
     }
     candidates
 }
 
 /// The name of the first section of a channel.
-fn section_name(source: &Source, channel: u16) -> String {
+fn section_name(source: &ProgramSource, channel: u16) -> String {
     let first = source.sections().iter().find(|section| section.channel == channel);
     first.map_or(String::new(), |section| section.name.to_string())
 }
 
 /// The programs of channels in a file with sections that a request selects: channel and main program, as that channel
 /// sees the file.
-fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+fn in_sections(
+    wish: &ProgramSelection,
+    source: &Arc<ProgramSource>,
+    callers: &Callers,
+) -> Option<Vec<(u16, ProgramRange)>> {
     let mut found = channel_mains(source, callers)?;
     if let Some(number) = wish.number {
         let of_number =
@@ -306,7 +290,7 @@ fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Optio
         };
     }
     if let Some(name) = &wish.section {
-        let named = |section: &&Section| section.channel > 0 && section.name.eq_ignore_ascii_case(name);
+        let named = |section: &&FileSection| section.channel > 0 && section.name.eq_ignore_ascii_case(name);
         let owner = source.sections().iter().find(named).map(|section| section.channel);
         found.retain(|(channel, _)| Some(*channel) == owner);
     }
@@ -316,12 +300,12 @@ fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Optio
     (!found.is_empty()).then_some(found)
 }
 
-fn within(section: &Section, line: u32) -> bool {
+fn within(section: &FileSection, line: u32) -> bool {
     (section.lines.0..=section.lines.1).contains(&line)
 }
 
 /// The main programs of a file that has sections, by channel; each as its channel sees the file.
-fn channel_mains(source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+fn channel_mains(source: &Arc<ProgramSource>, callers: &Callers) -> Option<Vec<(u16, ProgramRange)>> {
     let mut channels: Vec<u16> = source.sections().iter().map(|section| section.channel).filter(|&c| c > 0).collect();
     channels.sort_unstable();
     channels.dedup();
@@ -334,21 +318,26 @@ fn channel_mains(source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Ra
 
 /// A program of a channel ends with the last of its stretches there; that of a head other than the first begins with
 /// one.
-fn trimmed(source: &Source, channel: u16, range: Range) -> Range {
+fn trimmed(source: &ProgramSource, channel: u16, range: ProgramRange) -> ProgramRange {
     let own = || {
-        let overlap = |section: &&Section| section.lines.0 <= range.last && section.lines.1 >= range.first;
+        let overlap = |section: &&FileSection| section.lines.0 <= range.last && section.lines.1 >= range.first;
         source.sections().iter().filter(|section| section.channel == channel).filter(overlap)
     };
     let (Some(first), Some(last)) = (own().next(), own().next_back()) else { return range };
     let starts = first.name.starts_with('$') || source.sections().first() == Some(first);
-    Range {
+    ProgramRange {
         first: if starts { range.first } else { first.lines.0.max(range.first) },
         last: last.lines.1.min(range.last),
         ..range
     }
 }
 
-fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], findings: &mut Vec<Finding>) {
+fn place(
+    spec: &Spec,
+    candidates: Vec<PlacementCandidate<'_>>,
+    channels: &mut [JobChannel],
+    findings: &mut Vec<Finding>,
+) {
     let machine = &spec.machine.name;
     let count = channels.len();
     for candidate in candidates {
@@ -406,13 +395,13 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
 }
 
 /// The program of a number, with the text before it that it begins with.
-fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
-    let is = |range: &&Range| range.number == Some(number);
+fn named(number: u32, source: &ProgramSource, callers: &Callers) -> Option<ProgramRange> {
+    let is = |range: &&ProgramRange| range.number == Some(number);
     mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
 }
 
 /// The program that has a name, as an archive or the control writes it.
-fn wanted(name: &str, source: &Source) -> Option<Range> {
+fn wanted(name: &str, source: &ProgramSource) -> Option<ProgramRange> {
     let plain = name.trim_start_matches('%');
     let plain = plain
         .get(..3)
@@ -424,7 +413,7 @@ fn wanted(name: &str, source: &Source) -> Option<Range> {
     source.named(name).or_else(|| source.named(plain)).or_else(|| source.named(stem?))
 }
 
-fn missing_section(wish: &Program, name: &str, source: &Source) -> Finding {
+fn missing_section(wish: &ProgramSelection, name: &str, source: &ProgramSource) -> Finding {
     let mut known: Vec<String> = source.sections().iter().map(|section| section.name.to_string()).collect();
     known.extend(source.programs().iter().filter_map(|range| match range.number {
         Some(number) => Some(format!("O{number:04}")),
@@ -443,23 +432,23 @@ fn missing_section(wish: &Program, name: &str, source: &Source) -> Finding {
     )
 }
 
-fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
+fn missing_number(wish: &ProgramSelection, number: u32, source: &ProgramSource) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("program O{number:04} not found in the file, which has {known}"))
 }
 
 /// The main program of a file that a channel runs when it is given the file.
-pub fn first_main(source: &Arc<Source>, machine: &Machine, channel: u16) -> Option<Range> {
+pub fn first_main(source: &Arc<ProgramSource>, machine: &Machine, channel: u16) -> Option<ProgramRange> {
     let callers = Callers::of(machine, source.syntax());
     let own = channel_mains(source, &callers).and_then(|mains| mains.into_iter().find(|(of, _)| *of == channel));
     own.map_or_else(|| mains(source, &callers).first().copied(), |(_, range)| Some(range))
 }
 
 /// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
-pub fn from_line(source: &Arc<Source>, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+pub fn from_line(source: &Arc<ProgramSource>, line: u32, machine: &Machine) -> Vec<Option<ProgramRange>> {
     let callers = Callers::of(machine, source.syntax());
-    let ranges: Vec<Option<Range>> = match channel_mains(source, &callers) {
+    let ranges: Vec<Option<ProgramRange>> = match channel_mains(source, &callers) {
         Some(found) => {
             let of = |number| found.iter().find(|(channel, _)| *channel == number).map(|(_, range)| *range);
             machine.channels.iter().map(|channel| of(channel.number)).collect()
@@ -470,14 +459,14 @@ pub fn from_line(source: &Arc<Source>, line: u32, machine: &Machine) -> Vec<Opti
         ranges.into_iter().zip(machine.channels.iter().map(|channel| channel.number).chain(std::iter::repeat(0)));
     let opened = opened.map(|(range, channel)| Some(opening(source.seen_by(channel), range?, &machine.format)));
     opened
-        .map(|range| range.filter(|range| range.last >= line).map(|r| Range { first: r.first.max(line), ..r }))
+        .map(|range| range.filter(|range| range.last >= line).map(|r| ProgramRange { first: r.first.max(line), ..r }))
         .collect()
 }
 
 /// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing
 /// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves
 /// nothing to do (reference control-emulator.md 5.1).
-pub fn opening(source: &Source, range: Range, format: &Format) -> Range {
+pub fn opening(source: &ProgramSource, range: ProgramRange, format: &ProgramTextFormat) -> ProgramRange {
     let is_stop = |n: &u32| format.is_rewind_stop(source.line(*n));
     let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
     let expected = format.rws_at == RewindStop::Start;
@@ -494,5 +483,5 @@ pub fn opening(source: &Source, range: Range, format: &Format) -> Range {
     } else {
         None
     };
-    first.map_or(range, |line| Range { first: line, ..range })
+    first.map_or(range, |line| ProgramRange { first: line, ..range })
 }

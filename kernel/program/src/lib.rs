@@ -9,6 +9,7 @@ pub mod key_words;
 pub mod layout;
 pub mod line_up;
 mod mains;
+mod option_checks;
 pub mod prefix_registers;
 pub mod presets;
 mod readers;

@@ -8,14 +8,14 @@
 use counterpoint_machine::length_units::begins_in_inches;
 use counterpoint_machine::model::Machine;
 
-use super::source::Source;
+use super::source::ProgramSource;
 
 /// Common variables and their values, as the sections `$0` of a file give them. `begins` is the definition with which
 /// the channels of the file begin.
 pub fn of<'s>(
     machine: &'s Machine,
     begins: &Machine,
-    source: &'s Source,
+    source: &'s ProgramSource,
 ) -> impl Iterator<Item = (u32, f64)> + use<'s> {
     let step = step(begins_in_inches(begins));
     lines(machine, source).map(move |(_, text)| (text.number, text.value(step)))
@@ -23,7 +23,7 @@ pub fn of<'s>(
 
 /// The first value without a decimal point.
 #[must_use]
-pub fn whole(machine: &Machine, source: &Source) -> Option<Whole> {
+pub fn whole(machine: &Machine, source: &ProgramSource) -> Option<Whole> {
     let (line, first) = lines(machine, source).find(|(_, text)| !text.pointed)?;
     let text = String::from_utf8_lossy(source.line(line)).trim().to_owned();
     let values = [false, true].map(|inches| first.value(step(inches)));
@@ -47,7 +47,7 @@ fn step(inches: bool) -> f64 {
 }
 
 /// The lines that set variables which all channels share.
-fn lines<'s>(machine: &'s Machine, source: &'s Source) -> impl Iterator<Item = (u32, Preset)> + use<'s> {
+fn lines<'s>(machine: &'s Machine, source: &'s ProgramSource) -> impl Iterator<Item = (u32, Preset)> + use<'s> {
     let data = source.sections().iter().filter(|section| section.channel == 0);
     let lines = data.flat_map(|section| source.walk(section.lines.0, section.lines.1));
     let is_shared =

@@ -7,17 +7,17 @@
 use std::sync::Arc;
 
 use super::callers::Callers;
-use super::shape::Shape;
+use super::shape::ProgramDelimiters;
 use super::syntax::Syntax;
-use crate::spec::Program;
+use crate::spec::ProgramSelection;
 use counterpoint_machine::Machine;
 
 /// A definition that reads texts.
-pub(super) struct Reader<'a> {
+pub(super) struct ProgramReader<'a> {
     /// The definition.
     pub(super) machine: &'a Machine,
     /// The rules for separating programs.
-    pub(super) shape: Arc<Shape>,
+    pub(super) shape: Arc<ProgramDelimiters>,
     /// Which programs call others.
     pub(super) callers: Callers,
 }
@@ -25,8 +25,8 @@ pub(super) struct Reader<'a> {
 /// All readers of a machine.
 pub(super) struct Readers<'a> {
     machine: &'a Machine,
-    first: Reader<'a>,
-    others: Vec<Reader<'a>>,
+    first: ProgramReader<'a>,
+    others: Vec<ProgramReader<'a>>,
 }
 
 impl<'a> Readers<'a> {
@@ -34,7 +34,11 @@ impl<'a> Readers<'a> {
     pub(super) fn of(machine: &'a Machine, syntax: impl Fn(&Machine) -> &'static Syntax) -> Self {
         let reader = |machine: &'a Machine| {
             let syntax = syntax(machine);
-            Reader { machine, shape: Arc::new(Shape::of(machine, syntax)), callers: Callers::of(machine, syntax) }
+            ProgramReader {
+                machine,
+                shape: Arc::new(ProgramDelimiters::of(machine, syntax)),
+                callers: Callers::of(machine, syntax),
+            }
         };
         let mut all = machine.readers().into_iter().map(reader);
         let first = all.next().unwrap_or_else(|| reader(machine));
@@ -47,13 +51,13 @@ impl<'a> Readers<'a> {
     }
 
     /// One of them; the first, if there is no such one.
-    pub(super) fn at(&self, place: usize) -> &Reader<'a> {
+    pub(super) fn at(&self, place: usize) -> &ProgramReader<'a> {
         place.checked_sub(1).and_then(|place| self.others.get(place)).unwrap_or(&self.first)
     }
 
     /// Place of the component that reads a program of the job: that of the channel which the program names, otherwise
     /// that of the next channel from the left that no program names.
-    pub(super) fn of_program(&self, programs: &[Program], place: usize) -> usize {
+    pub(super) fn of_program(&self, programs: &[ProgramSelection], place: usize) -> usize {
         if self.others.is_empty() {
             return 0;
         }

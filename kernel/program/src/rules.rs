@@ -2,9 +2,9 @@
 
 /// Rules by number, from 0; a machine has 256 at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Rules([u64; 4]);
+pub struct TapeRuleSet([u64; 4]);
 
-impl Rules {
+impl TapeRuleSet {
     /// Switches a rule.
     pub fn set(&mut self, rule: usize, on: bool) {
         if let Some(bits) = self.0.get_mut(rule / 64) {

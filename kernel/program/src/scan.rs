@@ -9,20 +9,20 @@ mod passed;
 
 use crate::block::{Block, Word, irregular};
 use crate::by_first::{ByFirst, Literals};
-use crate::key_words::{Formulas, Names, Number, key_word};
+use crate::key_words::{Formulas, StatementVocabulary, WrittenNumber, key_word};
 use crate::line_up::LineUp;
 use crate::prefix_registers::{self, LiteralFirst};
 use crate::shape::program_name;
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
-use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
+use counterpoint_machine::index::{CodeRowId, IdTable, RegisterId};
 use counterpoint_machine::rows::{CodeForm, Register};
 use numbers::{Read, parse_digits, parse_number};
 
 /// Result of scanning a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ScanResult {
     /// Plain words, now in the block.
     Words,
     /// A statement, or words with expressions: it needs the pre-processor.
@@ -31,7 +31,7 @@ pub enum Kind {
 
 /// Data of the machine for the scanner, prepared once.
 #[derive(Debug)]
-pub struct Scanner {
+pub struct LineScanner {
     comment: Option<(Vec<u8>, Vec<u8>)>,
     message: Option<(Vec<u8>, Vec<u8>)>,
     opskip: Option<u8>,
@@ -42,7 +42,7 @@ pub struct Scanner {
     /// First character of words at which systems line up, and their row.
     line_up: Option<(u8, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
-    reads: Table<RegisterId, [Read; 2]>,
+    reads: IdTable<RegisterId, [Read; 2]>,
     syntax: &'static Syntax,
     /// Active optional-skip levels, bit n.
     levels: u16,
@@ -56,7 +56,7 @@ pub struct Scanner {
     literal_first: Option<Box<LiteralFirst>>,
 }
 
-impl Scanner {
+impl LineScanner {
     /// For a machine, the syntax of its pre-processor and the active optional-skip levels.
     pub fn new(machine: &Machine, syntax: &'static Syntax, opskip: &[u8]) -> Self {
         let pair =
@@ -141,8 +141,8 @@ impl Scanner {
     }
 
     /// Names of words of lines with expressions, other than letters.
-    pub fn names(&self) -> Names<'_> {
-        Names {
+    pub fn names(&self) -> StatementVocabulary<'_> {
+        StatementVocabulary {
             literal_first: self.literal_first.as_deref(),
             texts: Some(&self.texts),
             formulas: self.formulas,
@@ -157,24 +157,24 @@ impl Scanner {
 
     /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
     #[inline(always)]
-    pub fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> Kind {
+    pub fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> ScanResult {
         if self.syntax.needs_interpreter.is_some_and(|needs| watched || needs(line)) {
-            return Kind::Statement;
+            return ScanResult::Statement;
         }
         self.split(line, secondary, block, self.has_custom_macro())
     }
 
     /// The same, with or without the pre-processor.
     #[inline(never)]
-    pub fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, preprocess: bool) -> Kind {
+    pub fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, preprocess: bool) -> ScanResult {
         if preprocess && self.syntax.needs_interpreter.is_some_and(|needs| needs(line)) {
-            return Kind::Statement;
+            return ScanResult::Statement;
         }
         self.split(line, secondary, block, preprocess && self.has_custom_macro())
     }
 
     #[inline(always)]
-    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, statements: bool) -> Kind {
+    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, statements: bool) -> ScanResult {
         block.clear();
         self.split_from(line, 0, secondary, block, statements)
     }
@@ -187,7 +187,14 @@ impl Scanner {
     }
 
     #[inline(always)]
-    fn split_from(&self, line: &[u8], start: usize, secondary: bool, block: &mut Block, statements: bool) -> Kind {
+    fn split_from(
+        &self,
+        line: &[u8],
+        start: usize,
+        secondary: bool,
+        block: &mut Block,
+        statements: bool,
+    ) -> ScanResult {
         let mut at = start;
         while let Some(&byte) = line.get(at) {
             if byte == b' ' || byte == b'\t' {
@@ -199,7 +206,7 @@ impl Scanner {
                 && literal_first.may_start(byte)
             {
                 if statements && literal_first.opens_statement(line, at) {
-                    return Kind::Statement;
+                    return ScanResult::Statement;
                 }
                 if let Some(next) = self.literal_first(literal_first, line, at, secondary, block) {
                     at = next;
@@ -212,15 +219,15 @@ impl Scanner {
                         at = next;
                         continue;
                     }
-                    None if statements && self.opens_statement(line, at) => return Kind::Statement,
+                    None if statements && self.opens_statement(line, at) => return ScanResult::Statement,
                     None => {}
                 }
             } else if statements && (byte == b'#' || self.opens_statement(line, at)) {
-                return Kind::Statement;
+                return ScanResult::Statement;
             }
             at = self.other(line, at, byte, block);
         }
-        Kind::Words
+        ScanResult::Words
     }
 
     /// Anything that is not a word: returns where to continue.
@@ -330,7 +337,7 @@ impl Scanner {
 
     /// Value of a number as a register reads it, and its irregularities ([`irregular`]).
     #[inline(always)]
-    pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> (f64, u8) {
+    pub fn reading(&self, register: RegisterId, number: WrittenNumber, secondary: bool) -> (f64, u8) {
         self.read(register, secondary).value(number)
     }
 
@@ -359,7 +366,7 @@ impl Scanner {
     #[must_use]
     pub fn reading_of_value(&self, register: RegisterId, value: f64, secondary: bool) -> Option<(f64, u8)> {
         let read = self.read(register, secondary);
-        let number = Number { value, point: value.fract() != 0.0, digits: 0, fraction: 0 };
+        let number = WrittenNumber { value, point: value.fract() != 0.0, digits: 0, fraction: 0 };
         read.takes_values().then(|| read.value(number))
     }
 
@@ -417,7 +424,7 @@ fn line_up(machine: &Machine) -> Option<(u8, CodeRowId)> {
 
 /// How numbers of a register are read in primary and in secondary units.
 fn reads(machine: &Machine, register: &Register) -> [Read; 2] {
-    let asked = |facts: &diag::Facts, bit| if machine.diagnostics.is_alarm(facts.number) { bit } else { 0 };
+    let asked = |facts: &diag::DiagnosticFacts, bit| if machine.diagnostics.is_alarm(facts.number) { bit } else { 0 };
     let sign = if register.signed { 0 } else { asked(&diag::MINUS_SIGN, irregular::SIGN) };
     let pointed = if register.pointed { 0 } else { asked(&diag::DECIMAL_POINT, irregular::POINT) };
     [register.format, register.secondary].map(|format| Read::new(format, (sign, pointed)))

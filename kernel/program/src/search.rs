@@ -7,11 +7,11 @@ use std::hash::Hash;
 
 use rustc_hash::FxHashMap;
 
-use crate::kept::Table;
+use crate::kept::CachedTable;
 
 /// In which order a control looks at the blocks with a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Search {
+pub enum LabelSearchOrder {
     /// From the start of the program.
     FromTop,
     /// From the next block on, then from the start of the program.
@@ -24,7 +24,7 @@ pub enum Search {
     BackThenForward,
 }
 
-impl Search {
+impl LabelSearchOrder {
     /// One of some places in ascending order, none of them before `first` or after `last`; `next` comes after the block
     /// that looks.
     pub fn find<T: Ord + Copy>(self, places: &[T], next: T, (first, last): (T, T)) -> Option<T> {
@@ -71,7 +71,13 @@ impl<K: Eq + Hash> Labels<K> {
     }
 
     /// The line to go to from another one, within some lines.
-    pub fn find<Q: Eq + Hash + ?Sized>(&self, label: &Q, search: Search, here: u32, around: (u32, u32)) -> Option<u32>
+    pub fn find<Q: Eq + Hash + ?Sized>(
+        &self,
+        label: &Q,
+        search: LabelSearchOrder,
+        here: u32,
+        around: (u32, u32),
+    ) -> Option<u32>
     where
         K: Borrow<Q>,
     {
@@ -79,7 +85,7 @@ impl<K: Eq + Hash> Labels<K> {
     }
 }
 
-impl<K> Table for Labels<K> {
+impl<K> CachedTable for Labels<K> {
     fn bytes(&self) -> usize {
         self.lines.values().map(|lines| 80 + lines.len() * 4).sum()
     }
@@ -93,21 +99,21 @@ mod tests {
     fn each_control_looks_in_its_order() {
         let places = [2, 5, 9, 12];
         for (search, next, expected) in [
-            (Search::Around, 1, Some(5)),
-            (Search::Around, 6, Some(9)),
-            (Search::Around, 10, Some(5)),
-            (Search::FromTop, 10, Some(5)),
-            (Search::Forward, 6, Some(9)),
-            (Search::Forward, 10, None),
-            (Search::Back, 6, Some(5)),
-            (Search::Back, 5, None),
-            (Search::BackThenForward, 5, Some(5)),
-            (Search::BackThenForward, 10, Some(9)),
+            (LabelSearchOrder::Around, 1, Some(5)),
+            (LabelSearchOrder::Around, 6, Some(9)),
+            (LabelSearchOrder::Around, 10, Some(5)),
+            (LabelSearchOrder::FromTop, 10, Some(5)),
+            (LabelSearchOrder::Forward, 6, Some(9)),
+            (LabelSearchOrder::Forward, 10, None),
+            (LabelSearchOrder::Back, 6, Some(5)),
+            (LabelSearchOrder::Back, 5, None),
+            (LabelSearchOrder::BackThenForward, 5, Some(5)),
+            (LabelSearchOrder::BackThenForward, 10, Some(9)),
         ] {
             assert_eq!(search.find(&places, next, (4, 10)), expected, "{search:?} {next}");
         }
-        assert_eq!(Search::Around.find(&places, 1, (6, 8)), None);
-        assert_eq!(Search::Around.find(&places, 1, (8, 6)), None);
+        assert_eq!(LabelSearchOrder::Around.find(&places, 1, (6, 8)), None);
+        assert_eq!(LabelSearchOrder::Around.find(&places, 1, (8, 6)), None);
     }
 
     #[test]
@@ -116,9 +122,9 @@ mod tests {
         for (label, line) in [("A", 1), ("B", 2), ("A", 7)] {
             labels.add(label.to_owned(), line);
         }
-        assert_eq!(labels.find("A", Search::Around, 1, (1, 9)), Some(7));
-        assert_eq!(labels.find("A", Search::Around, 7, (1, 9)), Some(1));
-        assert_eq!((labels.find("C", Search::Around, 1, (1, 9)), labels.lines("B")), (None, &[2][..]));
+        assert_eq!(labels.find("A", LabelSearchOrder::Around, 1, (1, 9)), Some(7));
+        assert_eq!(labels.find("A", LabelSearchOrder::Around, 7, (1, 9)), Some(1));
+        assert_eq!((labels.find("C", LabelSearchOrder::Around, 1, (1, 9)), labels.lines("B")), (None, &[2][..]));
         assert!(labels.bytes() > 0);
     }
 }

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use bytes::{BufMut, Bytes, BytesMut};
-use counterpoint_event::info::Section;
+use counterpoint_event::info::FileSection;
 use counterpoint_machine::Machine;
 use counterpoint_machine::habits::FileLayout;
 use counterpoint_machine::ident::{codes, data};
@@ -19,23 +19,29 @@ use counterpoint_machine::rows::CodeForm;
 
 use super::callers::Callers;
 use super::mains::mains;
-use super::shape::{Range, Shape};
-use super::source::Source;
+use super::shape::{ProgramDelimiters, ProgramRange};
+use super::source::ProgramSource;
 use crate::block::{Block, Word};
-use crate::scan::Scanner;
-use counterpoint_ports::control::Stop;
+use crate::scan::LineScanner;
+use counterpoint_ports::control::StopSignal;
 
 /// A file as a machine reads it: with the stretches that belong to its channels.
 #[must_use]
-pub fn source(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop, machine: &Machine) -> Source {
-    let whole = Source::shaped(name, bytes, shape, stop);
+pub fn source(
+    name: impl Into<String>,
+    bytes: Bytes,
+    shape: Arc<ProgramDelimiters>,
+    stop: StopSignal,
+    machine: &Machine,
+) -> ProgramSource {
+    let whole = ProgramSource::shaped(name, bytes, shape, stop);
     let sections = divide(machine, &whole);
     let views = views(&whole, &sections);
     whole.divided(sections, views)
 }
 
 /// The stretches of a file, in order, as the machine divides its files; none if it does not.
-fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
+fn divide(machine: &Machine, source: &ProgramSource) -> Vec<FileSection> {
     match machine.habits.programs {
         FileLayout::Numbers => Vec::new(),
         FileLayout::Heads => by_heads(machine, source),
@@ -44,7 +50,7 @@ fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
 }
 
 /// The view that each channel has of a divided file.
-fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
+fn views(source: &ProgramSource, sections: &[FileSection]) -> Vec<(u16, Arc<ProgramSource>)> {
     let mut channels: Vec<u16> = sections.iter().map(|section| section.channel).filter(|&c| c > 0).collect();
     channels.sort_unstable();
     channels.dedup();
@@ -54,16 +60,16 @@ fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
 
 /// Whether the last stretch of a program for all heads belongs to another channel and has the end code of the program.
 #[must_use]
-pub fn ends_for_all(machine: &Machine, source: &Source, channel: u16) -> bool {
+pub fn ends_for_all(machine: &Machine, source: &ProgramSource, channel: u16) -> bool {
     let heads = machine.habits.programs == FileLayout::Heads;
     source.sections().last().filter(|last| heads && last.channel != channel).is_some_and(|last| {
-        let range = Range { number: None, first: last.lines.0, last: last.lines.1 };
+        let range = ProgramRange { number: None, first: last.lines.0, last: last.lines.1 };
         Callers::of(machine, source.syntax()).ends_in(source, range)
     })
 }
 
 /// The text of a file without the lines of other channels, and without the marks of sections.
-fn seen_by(source: &Source, sections: &[Section], channel: u16) -> BytesMut {
+fn seen_by(source: &ProgramSource, sections: &[FileSection], channel: u16) -> BytesMut {
     let mut text = BytesMut::with_capacity(source.size() / 2);
     let mut ahead = sections.iter().peekable();
     for line in source.walk(1, source.lines()) {
@@ -92,15 +98,15 @@ fn mark(line: &[u8]) -> Option<(u16, usize)> {
 }
 
 /// `$1`, `$2`, …: the programs of channels, `$0`: data of all.
-fn by_marks(machine: &Machine, source: &Source) -> Vec<Section> {
-    let mut found: Vec<Section> = Vec::new();
+fn by_marks(machine: &Machine, source: &ProgramSource) -> Vec<FileSection> {
+    let mut found: Vec<FileSection> = Vec::new();
     let mut callers = None;
     let mut open = false;
     let mut ended = false;
     for line in source.walk(1, source.lines()) {
         let bytes = source.line(line);
         if let Some((channel, _)) = mark(bytes) {
-            found.push(Section { channel, name: format!("${channel}").into(), lines: (line, line) });
+            found.push(FileSection { channel, name: format!("${channel}").into(), lines: (line, line) });
             (open, ended) = (true, false);
         } else if open && ended && source.defines(line) {
             open = false;
@@ -109,17 +115,17 @@ fn by_marks(machine: &Machine, source: &Source) -> Vec<Section> {
         }
         if open && !ended {
             let callers = callers.get_or_insert_with(|| Callers::of(machine, source.syntax()));
-            ended = callers.ends_in(source, Range { number: None, first: line, last: line });
+            ended = callers.ends_in(source, ProgramRange { number: None, first: line, last: line });
         }
     }
     found
 }
 
 /// Stretches of the main program by head, in order; none if no code of a head is in it.
-fn by_heads(machine: &Machine, source: &Source) -> Vec<Section> {
+fn by_heads(machine: &Machine, source: &ProgramSource) -> Vec<FileSection> {
     let Some(range) = mains(source, &Callers::of(machine, source.syntax())).first().copied() else { return Vec::new() };
-    let mut found: Vec<Section> = Vec::new();
-    let scanner = Scanner::new(machine, source.syntax(), &[]);
+    let mut found: Vec<FileSection> = Vec::new();
+    let scanner = LineScanner::new(machine, source.syntax(), &[]);
     let mut block = Block::default();
     for line in source.walk(range.first, range.last) {
         let text = source.line(line);
@@ -129,7 +135,7 @@ fn by_heads(machine: &Machine, source: &Source) -> Vec<Section> {
         {
             // A definition before the first head belongs to all channels, so that labels and calls find their program.
             let before = found.is_empty().then(|| range.first + u32::from(source.defines(range.first)));
-            found.push(Section { channel, name, lines: (before.unwrap_or(line).min(line), line) });
+            found.push(FileSection { channel, name, lines: (before.unwrap_or(line).min(line), line) });
         } else if let Some(last) = found.last_mut() {
             last.lines.1 = line;
         }
@@ -190,8 +196,8 @@ mod tests {
     #[test]
     fn a_channel_sees_its_own_lines_and_those_of_all() {
         let text = "%\nO1\n$1 G0\nM30\n$2\nM30\n%\n";
-        let source = Source::new("t", text.into());
-        let section = |channel: u16, lines| Section { channel, name: format!("${channel}").into(), lines };
+        let source = ProgramSource::new("t", text.into());
+        let section = |channel: u16, lines| FileSection { channel, name: format!("${channel}").into(), lines };
         let sections = [section(1, (3, 4)), section(2, (5, 7))];
         let seen = |channel| String::from_utf8(seen_by(&source, &sections, channel).to_vec()).unwrap();
         assert_eq!(seen(1), "%\nO1\n   G0\nM30\n\n\n%\n");

@@ -10,7 +10,7 @@ use counterpoint_machine::model::is_rewind_stop;
 
 /// One program of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Range {
+pub struct ProgramRange {
     /// Number of its definition word.
     pub number: Option<u32>,
     /// First line, from 1.
@@ -21,7 +21,7 @@ pub struct Range {
 
 /// The rules for separating programs in a text, of the machine that reads it.
 #[derive(Debug, Clone)]
-pub struct Shape {
+pub struct ProgramDelimiters {
     syntax: &'static Syntax,
     /// Programs may have names in angle brackets.
     names: bool,
@@ -33,7 +33,7 @@ pub struct Shape {
     eob: Option<u8>,
 }
 
-impl Default for Shape {
+impl Default for ProgramDelimiters {
     fn default() -> Self {
         Self {
             syntax: &PLAIN,
@@ -46,7 +46,7 @@ impl Default for Shape {
     }
 }
 
-impl Shape {
+impl ProgramDelimiters {
     /// The default, with names in angle brackets.
     #[cfg(test)]
     pub(super) fn with_angle_names() -> Self {

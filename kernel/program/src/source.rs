@@ -9,15 +9,15 @@ use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use counterpoint_event::Text;
-use counterpoint_event::info::Section;
+use counterpoint_event::info::FileSection;
 use rustc_hash::FxHashMap;
 
 use super::line_up::LineUp;
-use super::rules::Rules;
-use super::shape::{Range, Shape, leading_number};
-use super::spot::Spot;
+use super::rules::TapeRuleSet;
+use super::shape::{ProgramDelimiters, ProgramRange, leading_number};
+use super::spot::BlockStart;
 use super::syntax::Syntax;
-use counterpoint_ports::control::Stop;
+use counterpoint_ports::control::StopSignal;
 
 /// Data of a byte in a text.
 const UNKNOWN: u8 = 0;
@@ -26,31 +26,31 @@ const ABSENT: u8 = 2;
 
 /// A file of the job.
 #[derive(Debug)]
-pub struct Source {
+pub struct ProgramSource {
     /// Name as the job knows it.
     pub name: String,
     text: Arc<Text>,
-    shape: Arc<Shape>,
-    stop: Stop,
-    programs: OnceLock<Vec<Range>>,
-    sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
+    shape: Arc<ProgramDelimiters>,
+    stop: StopSignal,
+    programs: OnceLock<Vec<ProgramRange>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<BlockStart>>>,
     /// Whether a byte occurs in the text, by byte: [`UNKNOWN`] until it is requested.
     has: [AtomicU8; 256],
     /// Findings of one tape editor about the whole text, and its number.
-    tape: OnceLock<(u64, Rules)>,
+    tape: OnceLock<(u64, TapeRuleSet)>,
     /// Labels at which systems line up, ascending.
     labels: OnceLock<Vec<u32>>,
     /// Stretches that belong to channels, in order.
-    sections: Vec<Section>,
+    sections: Vec<FileSection>,
     /// Views that the channels have of a file with such sections.
-    views: Vec<(u16, Arc<Source>)>,
+    views: Vec<(u16, Arc<ProgramSource>)>,
 }
 
-impl Source {
+impl ProgramSource {
     /// A file of a machine without habits of its own.
     #[must_use]
     pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
-        Self::shaped(name, bytes, Arc::default(), Stop::default())
+        Self::shaped(name, bytes, Arc::default(), StopSignal::default())
     }
 
     /// The syntax of its pre-processor.
@@ -62,7 +62,7 @@ impl Source {
     /// A file as a machine tells its programs apart. When `stop` is requested, searches in the text end where they are;
     /// their result must not be used any more.
     #[must_use]
-    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
+    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<ProgramDelimiters>, stop: StopSignal) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked_once_resumed()));
         let (programs, sequences, tape) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         let has = [const { AtomicU8::new(UNKNOWN) }; 256];
@@ -71,7 +71,7 @@ impl Source {
     }
 
     /// The same file with the sections that belong to channels, and the view of each channel.
-    pub(super) fn divided(self, sections: Vec<Section>, views: Vec<(u16, Arc<Self>)>) -> Self {
+    pub(super) fn divided(self, sections: Vec<FileSection>, views: Vec<(u16, Arc<Self>)>) -> Self {
         Self { sections, views, ..self }
     }
 
@@ -82,7 +82,7 @@ impl Source {
 
     /// Stretches that belong to channels, in order.
     #[must_use]
-    pub fn sections(&self) -> &[Section] {
+    pub fn sections(&self) -> &[FileSection] {
         &self.sections
     }
 
@@ -126,20 +126,20 @@ impl Source {
     /// Rules of the tape editor with this number that may change something in the text: found out once, for one tape
     /// editor.
     #[inline]
-    pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> Rules) -> Option<&Rules> {
+    pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> TapeRuleSet) -> Option<&TapeRuleSet> {
         let (of, rules) = self.tape.get_or_init(|| (number, find(self.text.bytes())));
         (*of == number).then_some(rules)
     }
 
     /// The numbers of these lines, until the job is to end.
     pub fn walk(&self, first: u32, last: u32) -> impl DoubleEndedIterator<Item = u32> + Clone + '_ {
-        Walk { lines: first..=last, stop: &self.stop }
+        LineIter { lines: first..=last, stop: &self.stop }
     }
 
     /// The programs in the file, in order. Text before the first definition is one without number, so is a file without
     /// definitions.
     #[must_use]
-    pub fn programs(&self) -> &[Range] {
+    pub fn programs(&self) -> &[ProgramRange] {
         self.programs.get_or_init(|| ranges(self, &self.shape))
     }
 
@@ -171,14 +171,15 @@ impl Source {
 
     /// The program of a name, letter case ignored.
     #[must_use]
-    pub fn named(&self, name: &str) -> Option<Range> {
-        let is = |range: &&Range| self.name_at(range.first).is_some_and(|n| n.eq_ignore_ascii_case(name.as_bytes()));
+    pub fn named(&self, name: &str) -> Option<ProgramRange> {
+        let is =
+            |range: &&ProgramRange| self.name_at(range.first).is_some_and(|n| n.eq_ignore_ascii_case(name.as_bytes()));
         self.programs().iter().filter(|range| range.number.is_none()).find(is).copied()
     }
 
     /// A program without a definition: the text of the file, or the part before the first definition.
     #[must_use]
-    pub fn is_plain(&self, range: Range) -> bool {
+    pub fn is_plain(&self, range: ProgramRange) -> bool {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
@@ -207,16 +208,16 @@ impl Source {
 
     /// Blocks that begin with sequence number `number`, ascending.
     #[must_use]
-    pub fn sequences(&self, number: u32) -> &[Spot] {
+    pub fn sequences(&self, number: u32) -> &[BlockStart] {
         self.sequences
             .get_or_init(|| {
-                let mut index: FxHashMap<u32, Vec<Spot>> = FxHashMap::default();
+                let mut index: FxHashMap<u32, Vec<BlockStart>> = FxHashMap::default();
                 for line in self.walk(1, self.lines()) {
                     let text = self.line(line);
                     for offset in self.shape.block_starts(text) {
                         let block = text.get(offset..).unwrap_or_default();
                         if let Some(number) = leading_number(block, b'N') {
-                            index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
+                            index.entry(number).or_default().push(BlockStart { line, offset: offset as u32 });
                         }
                     }
                 }
@@ -227,7 +228,7 @@ impl Source {
     }
 }
 
-impl Deref for Source {
+impl Deref for ProgramSource {
     type Target = Text;
 
     #[inline]
@@ -239,8 +240,8 @@ impl Deref for Source {
 /// Finds the programs of a file. The text before the first definition, after a rewind-stop if there is one, is a
 /// program of its own without a number; blank lines and comments are not text. Without any definition the file is one
 /// program.
-fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
-    let mut found: Vec<Range> = Vec::new();
+fn ranges(source: &ProgramSource, shape: &ProgramDelimiters) -> Vec<ProgramRange> {
+    let mut found: Vec<ProgramRange> = Vec::new();
     let last = source.lines();
     let mut next = 1;
     while let Some(line) = next_definition(source, shape, next) {
@@ -251,22 +252,22 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
             if let Some(previous) = found.last_mut() {
                 previous.last = line - 1;
             }
-            found.push(Range { number, first: line, last });
+            found.push(ProgramRange { number, first: line, last });
         }
     }
     let Some(definition) = found.first().map(|range| range.first) else {
-        return if last > 0 { vec![Range { number: None, first: 1, last }] } else { found };
+        return if last > 0 { vec![ProgramRange { number: None, first: 1, last }] } else { found };
     };
     let stop = source.walk(1, definition - 1).find(|&line| shape.is_stop(source.line(line)));
     let first = stop.map_or(1, |line| line + 1);
     if source.walk(first, definition - 1).any(|line| shape.has_text(source.line(line))) {
-        found.insert(0, Range { number: None, first, last: definition - 1 });
+        found.insert(0, ProgramRange { number: None, first, last: definition - 1 });
     }
     found
 }
 
 /// The first line from `first` on that may define a program; none if there is none or the job is to end.
-fn next_definition(source: &Source, shape: &Shape, first: u32) -> Option<u32> {
+fn next_definition(source: &ProgramSource, shape: &ProgramDelimiters, first: u32) -> Option<u32> {
     let letters = shape.definition_letters().filter(|_| !(shape.has_angle_names() && source.has(b'<')));
     let Some([a, b, c]) = letters else {
         return source.walk(first, source.lines()).find(|line| shape.may_define(source.line(*line)));
@@ -291,12 +292,12 @@ fn next_definition(source: &Source, shape: &Shape, first: u32) -> Option<u32> {
 
 /// Lines until the job is to end.
 #[derive(Debug, Clone)]
-struct Walk<'s> {
+struct LineIter<'s> {
     lines: RangeInclusive<u32>,
-    stop: &'s Stop,
+    stop: &'s StopSignal,
 }
 
-impl Iterator for Walk<'_> {
+impl Iterator for LineIter<'_> {
     type Item = u32;
 
     #[inline]
@@ -305,7 +306,7 @@ impl Iterator for Walk<'_> {
     }
 }
 
-impl DoubleEndedIterator for Walk<'_> {
+impl DoubleEndedIterator for LineIter<'_> {
     fn next_back(&mut self) -> Option<u32> {
         if self.stop.asked_once_resumed() { None } else { self.lines.next_back() }
     }
@@ -319,12 +320,12 @@ mod tests {
     fn the_lines_that_may_define_a_program_are_those_that_a_look_at_each_line_finds() {
         let lines = ["O1", " /o2 (x)", "(O3)", ":4", "G1 X1 (<NO>)", "<SUB>", "N5 GOTO 7", "", "\t:6", "M30 O7"];
         for names in [false, true] {
-            let shape = if names { Shape::with_angle_names() } else { Shape::default() };
+            let shape = if names { ProgramDelimiters::with_angle_names() } else { ProgramDelimiters::default() };
             for first in 0..lines.len() {
                 for by in 1..lines.len() {
                     let some = (0..7).filter_map(|at| lines.get((first + at * by) % lines.len()).copied());
                     let text = some.collect::<Vec<_>>().join(if by % 2 == 0 { "\n" } else { "\r\n" });
-                    let source = Source::shaped("t", text.clone().into(), Arc::default(), Stop::default());
+                    let source = ProgramSource::shaped("t", text.clone().into(), Arc::default(), StopSignal::default());
                     let all: Vec<u32> = (1..=source.lines()).filter(|at| shape.may_define(source.line(*at))).collect();
                     let mut found = Vec::new();
                     while let Some(line) = next_definition(&source, &shape, found.last().map_or(1, |last| last + 1)) {
@@ -340,9 +341,9 @@ mod tests {
 
     #[test]
     fn nothing_is_looked_for_when_the_job_is_to_end() {
-        let stop = Stop::default();
+        let stop = StopSignal::default();
         let text = Bytes::from_static(b"O1\nN1\nO2\nN2\n");
-        let source = Source::shaped("t", text, Arc::default(), stop.clone());
+        let source = ProgramSource::shaped("t", text, Arc::default(), stop.clone());
         assert_eq!(source.walk(2, 3).collect::<Vec<_>>(), [2, 3]);
         stop.ask();
         assert_eq!(source.walk(1, 4).count(), 0);

@@ -6,10 +6,10 @@ use std::sync::{Arc, OnceLock};
 
 use counterpoint_event::{FileId, Text};
 
-use super::source::Source;
+use super::source::ProgramSource;
 
 /// A file, when it has been loaded; none if it cannot be.
-type Slot = OnceLock<Option<Arc<Source>>>;
+type Slot = OnceLock<Option<Arc<ProgramSource>>>;
 
 /// The files of a job; each is loaded when it is first needed, once for each reader: where components of a composite
 /// machine have different pre-processors, each of them finds other programs in a text.
@@ -23,7 +23,7 @@ impl Sources {
     }
 
     /// Adds a file, as a reader reads it if that is known already.
-    pub(super) fn push(&mut self, mut source: impl FnMut(usize) -> Option<Option<Arc<Source>>>) {
+    pub(super) fn push(&mut self, mut source: impl FnMut(usize) -> Option<Option<Arc<ProgramSource>>>) {
         for (reader, slots) in self.0.iter_mut().enumerate() {
             slots.push(source(reader).map_or_else(OnceLock::new, OnceLock::from));
         }
@@ -31,13 +31,13 @@ impl Sources {
 
     /// A file, if the first reader has loaded it.
     #[must_use]
-    pub fn get(&self, file: FileId) -> Option<&Arc<Source>> {
+    pub fn get(&self, file: FileId) -> Option<&Arc<ProgramSource>> {
         self.read_by(0, file)
     }
 
     /// A file, if a reader has loaded it.
     #[must_use]
-    pub fn read_by(&self, reader: usize, file: FileId) -> Option<&Arc<Source>> {
+    pub fn read_by(&self, reader: usize, file: FileId) -> Option<&Arc<ProgramSource>> {
         self.slots(reader).get(usize::from(file))?.get()?.as_ref()
     }
 
@@ -65,7 +65,7 @@ impl<'a> SeenSources<'a> {
     /// A file, if it has been loaded.
     #[inline(always)]
     #[must_use]
-    pub fn get(self, file: FileId) -> Option<&'a Source> {
+    pub fn get(self, file: FileId) -> Option<&'a ProgramSource> {
         Some(self.slot(file)?.as_ref()?.seen_by(self.channel))
     }
 
@@ -76,19 +76,19 @@ impl<'a> SeenSources<'a> {
     }
 
     #[inline(always)]
-    fn slot(self, file: FileId) -> Option<&'a Option<Arc<Source>>> {
+    fn slot(self, file: FileId) -> Option<&'a Option<Arc<ProgramSource>>> {
         self.slots.get(usize::from(file))?.get()
     }
 
     /// The same, to be kept.
     #[must_use]
-    pub fn shared(self, file: FileId) -> Option<Arc<Source>> {
+    pub fn shared(self, file: FileId) -> Option<Arc<ProgramSource>> {
         self.slot(file)?.as_ref().map(|source| Arc::clone(source.seen_by(self.channel)))
     }
 
     /// A file with the stretches of all channels, if it has been loaded.
     #[must_use]
-    pub fn whole(self, file: FileId) -> Option<&'a Arc<Source>> {
+    pub fn whole(self, file: FileId) -> Option<&'a Arc<ProgramSource>> {
         self.slot(file)?.as_ref()
     }
 
@@ -100,7 +100,7 @@ impl<'a> SeenSources<'a> {
 
     /// Keeps a file that has been loaded, or that cannot be; whichever kernel was first wins. `text` is where results
     /// find its text.
-    pub fn put(self, file: FileId, source: Option<Arc<Source>>, text: &OnceLock<Option<Arc<Text>>>) {
+    pub fn put(self, file: FileId, source: Option<Arc<ProgramSource>>, text: &OnceLock<Option<Arc<Text>>>) {
         if let Some(slot) = self.slots.get(usize::from(file)) {
             let kept = slot.get_or_init(|| source);
             let _ = text.set(kept.as_ref().map(|source| Arc::clone(source.text())));

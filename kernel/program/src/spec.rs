@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use counterpoint_machine::Machine;
-use counterpoint_ports::options::Options;
+use counterpoint_ports::options::JobOptions;
 
 /// A program given to a channel.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Program {
+pub struct ProgramSelection {
     /// File in the job's files.
     pub file: String,
     /// O-number inside the file; none = the file's first (or next free) main program.
@@ -25,7 +25,7 @@ pub struct Spec {
     /// The checked machine.
     pub machine: Arc<Machine>,
     /// Programs, left to right.
-    pub programs: Vec<Program>,
+    pub programs: Vec<ProgramSelection>,
     /// Options.
-    pub options: Options,
+    pub options: JobOptions,
 }

@@ -4,14 +4,14 @@
 
 /// The first byte of a block. Ordered as blocks are in their file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Spot {
+pub struct BlockStart {
     /// Line, from 1.
     pub line: u32,
     /// Byte in the line, from 0.
     pub offset: u32,
 }
 
-impl Spot {
+impl BlockStart {
     /// The first block of a line.
     pub fn line(line: u32) -> Self {
         Self { line, offset: 0 }
@@ -93,6 +93,6 @@ mod tests {
         assert_eq!(of("G1 X1;  "), [0]);
         assert_eq!(of("G1;N5 (a;b) G2;{x=';'}G3"), [0, 3, 15]);
         assert_eq!(of("(open ; comment"), [0]);
-        assert!(Spot { line: 2, offset: 9 } < Spot::line(3));
+        assert!(BlockStart { line: 2, offset: 9 } < BlockStart::line(3));
     }
 }

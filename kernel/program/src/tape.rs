@@ -8,15 +8,15 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use aho_corasick::AhoCorasick;
-use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
+use counterpoint_lang::pattern::{STEPS, SearchMemory, TextPattern};
 
-pub use super::rules::Rules;
-use super::source::Source;
-use super::visible::{Marks, Visible};
+pub use super::rules::TapeRuleSet;
+use super::source::ProgramSource;
+use super::visible::{RemarkDelimiters, Visible};
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::pattern::Match;
 use counterpoint_machine::model::TapeRule;
-use counterpoint_ports::control::Stop;
+use counterpoint_ports::control::StopSignal;
 
 /// Steps of the searches of all rules in one block.
 const MOST_STEPS: u64 = 2 * STEPS;
@@ -33,23 +33,23 @@ static NUMBERS: AtomicU64 = AtomicU64::new(0);
 pub struct Tape {
     /// No other tape editor has this number.
     number: u64,
-    rules: Vec<Rule>,
+    rules: Vec<CompiledTapeRule>,
     /// The texts that rules need, and whose they are.
     needed: Option<(AhoCorasick, Vec<u16>)>,
     /// Rules that need no text: they are always tried.
-    always: Rules,
+    always: TapeRuleSet,
     /// All of them.
-    every: Rules,
+    every: TapeRuleSet,
     /// Rules that are on at program start.
-    pub start: Rules,
+    pub start: TapeRuleSet,
     /// The text that rules of words do not see.
-    marks: Marks,
+    marks: RemarkDelimiters,
 }
 
 /// A compiled rule.
 #[derive(Debug)]
-struct Rule {
-    pattern: Pattern,
+struct CompiledTapeRule {
+    pattern: TextPattern,
     replace: String,
     /// Text without which it does not match; empty: it needs none.
     needs: String,
@@ -59,7 +59,7 @@ struct Rule {
 
 /// Rules that may match a text.
 struct Candidates {
-    rules: Rules,
+    rules: TapeRuleSet,
     /// Whether the text that each needs occurs in the text is not known.
     unsure: bool,
 }
@@ -68,16 +68,16 @@ struct Candidates {
 #[derive(Debug)]
 pub struct Within<'a> {
     /// Rules that are on.
-    pub on: &'a Rules,
+    pub on: &'a TapeRuleSet,
     /// Bytes that a result may have.
     pub longest: usize,
     /// No further rule is applied when the job is to end.
-    pub stop: &'a Stop,
+    pub stop: &'a StopSignal,
 }
 
 /// Result of editing a block.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Edited {
+pub struct EditResult {
     /// New text, `None` when nothing matched.
     pub text: Option<Vec<u8>>,
     /// A rule that gave up: it needs too many steps on this text.
@@ -90,12 +90,13 @@ pub struct Edited {
 
 impl Tape {
     /// Compiles the rules of a machine whose text has these marks; `None` when there is none.
-    pub fn new(rules: &[TapeRule], marks: Marks) -> Option<Self> {
+    pub fn new(rules: &[TapeRule], marks: RemarkDelimiters) -> Option<Self> {
         let (mut compiled, mut texts, mut owners) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut always, mut every, mut start) = (Rules::default(), Rules::default(), Rules::default());
+        let (mut always, mut every, mut start) =
+            (TapeRuleSet::default(), TapeRuleSet::default(), TapeRuleSet::default());
         for (number, rule) in rules.iter().enumerate() {
             // The loader has checked the expression.
-            let Ok(pattern) = Pattern::new(&rule.find) else { continue };
+            let Ok(pattern) = TextPattern::new(&rule.find) else { continue };
             let number = number.min(255);
             let mut needs = pattern.required();
             // Blocks are bytes: a character beyond ASCII may be written in two ways.
@@ -108,7 +109,7 @@ impl Tape {
             }
             every.set(number, true);
             start.set(number, rule.on);
-            compiled.push(Rule { pattern, replace: rule.replace.clone(), needs, words: rule.words });
+            compiled.push(CompiledTapeRule { pattern, replace: rule.replace.clone(), needs, words: rule.words });
         }
         if compiled.is_empty() {
             return None;
@@ -143,7 +144,7 @@ impl Tape {
 
     /// Whether no rule that is on can match anywhere in the file: the text that it needs does not come up.
     #[inline]
-    pub fn leaves_alone(&self, source: &Source, on: &Rules) -> bool {
+    pub fn leaves_alone(&self, source: &ProgramSource, on: &TapeRuleSet) -> bool {
         if source.text().bytes().len() > LONGEST_FILE {
             return false;
         }
@@ -153,25 +154,31 @@ impl Tape {
 
     /// Applies the rules that are on, within limits.
     #[inline]
-    pub fn edit(&self, line: &[u8], limits: &Within<'_>, memory: &mut Memory) -> Edited {
+    pub fn edit(&self, line: &[u8], limits: &Within<'_>, memory: &mut SearchMemory) -> EditResult {
         let candidates = self.candidates(line);
         match candidates.rules.next(0, limits.on) {
-            None => Edited::default(),
+            None => EditResult::default(),
             Some(first) => self.apply(line, (first, candidates), limits, memory),
         }
     }
 
-    fn apply(&self, line: &[u8], start: (usize, Candidates), limits: &Within<'_>, memory: &mut Memory) -> Edited {
+    fn apply(
+        &self,
+        line: &[u8],
+        start: (usize, Candidates),
+        limits: &Within<'_>,
+        memory: &mut SearchMemory,
+    ) -> EditResult {
         match std::str::from_utf8(line) {
             Ok(text) => {
                 let (text, edited) = self.rewrite(text, start, limits, memory);
-                Edited { text: text.map(String::into_bytes), ..edited }
+                EditResult { text: text.map(String::into_bytes), ..edited }
             }
             Err(_) => {
                 // Eight-bit text: one character a byte.
                 let text: String = line.iter().copied().map(char::from).collect();
                 let (text, edited) = self.rewrite(&text, start, limits, memory);
-                Edited { text: text.map(|text| bytes(&text)), ..edited }
+                EditResult { text: text.map(|text| bytes(&text)), ..edited }
             }
         }
     }
@@ -181,16 +188,16 @@ impl Tape {
         line: &str,
         (first, Candidates { mut rules, mut unsure }): (usize, Candidates),
         &Within { on, longest, stop }: &Within<'_>,
-        memory: &mut Memory,
-    ) -> (Option<String>, Edited) {
-        let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
+        memory: &mut SearchMemory,
+    ) -> (Option<String>, EditResult) {
+        let (mut text, mut edited): (Option<String>, _) = (None, EditResult::default());
         let (mut next, mut left) = (Some(first), MOST_STEPS);
         while let Some(number) = next.filter(|_| !stop.asked_once_resumed()) {
             let now = text.as_deref().unwrap_or(line);
             let rule = self.rules.get(number);
             edited.work += if unsure { now.len() } else { 0 };
             if let Some(rule) = rule.filter(|rule| !unsure || now.contains(&rule.needs)) {
-                let Rule { replace, .. } = rule;
+                let CompiledTapeRule { replace, .. } = rule;
                 let given = STEPS.min(left);
                 let mut budget = given;
                 edited.work += now.len();
@@ -198,7 +205,7 @@ impl Tape {
                     Ok(None) => {}
                     Ok(Some(found)) => {
                         let (start, end) = found.whole();
-                        let filled = Pattern::filled(replace, now, &found);
+                        let filled = TextPattern::filled(replace, now, &found);
                         let length = now.len() - (end - start) + filled.len();
                         if length > longest.max(line.len()) {
                             edited.long = Some((number, length));
@@ -224,7 +231,13 @@ impl Tape {
     }
 
     /// The first match of a rule; for a rule of words, the first match that consists of words.
-    fn find(&self, rule: &Rule, text: &str, budget: &mut u64, memory: &mut Memory) -> Outcome<Option<Match>> {
+    fn find(
+        &self,
+        rule: &CompiledTapeRule,
+        text: &str,
+        budget: &mut u64,
+        memory: &mut SearchMemory,
+    ) -> Outcome<Option<Match>> {
         if !rule.words {
             return rule.pattern.find_with(text, budget, memory);
         }
@@ -268,12 +281,12 @@ mod tests {
             line: 0,
             file: String::new(),
         };
-        Tape::new(&rules.iter().map(rule).collect::<Vec<_>>(), Marks::of([(";", "")], true)).unwrap()
+        Tape::new(&rules.iter().map(rule).collect::<Vec<_>>(), RemarkDelimiters::of([(";", "")], true)).unwrap()
     }
 
     #[test]
     fn a_file_is_left_alone_if_no_rule_that_is_on_finds_its_text() {
-        let source = |text: &'static str| Source::new("a.mpf", text.into());
+        let source = |text: &'static str| ProgramSource::new("a.mpf", text.into());
         let mut own = tape(&[("SPOS *=", "M19 SPOS="), ("WAITS", "")]);
         let on = own.start;
         assert!(own.leaves_alone(&source("G0 X1\nM30\n"), &on));
@@ -290,16 +303,16 @@ mod tests {
         assert!(!own.leaves_alone(&source("M30\n"), &own.start));
     }
 
-    fn within(tape: &Tape, line: &[u8], on: &Rules) -> Edited {
-        tape.edit(line, &Within { on, longest: 1000, stop: &Stop::default() }, &mut Memory::default())
+    fn within(tape: &Tape, line: &[u8], on: &TapeRuleSet) -> EditResult {
+        tape.edit(line, &Within { on, longest: 1000, stop: &StopSignal::default() }, &mut SearchMemory::default())
     }
 
     #[test]
     fn no_rule_is_applied_when_the_job_is_to_end() {
-        let (tape, stop) = (tape(&[("A", "B")]), Stop::default());
+        let (tape, stop) = (tape(&[("A", "B")]), StopSignal::default());
         stop.ask();
         let limits = Within { on: &tape.start, longest: 1000, stop: &stop };
-        assert_eq!(tape.edit(b"A", &limits, &mut Memory::default()), Edited::default());
+        assert_eq!(tape.edit(b"A", &limits, &mut SearchMemory::default()), EditResult::default());
     }
 
     fn edit(tape: &Tape, line: &str) -> Option<String> {

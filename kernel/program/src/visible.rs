@@ -7,14 +7,14 @@
 use std::borrow::Cow;
 
 use super::syntax::Syntax;
-use counterpoint_machine::model::Format;
+use counterpoint_machine::model::ProgramTextFormat;
 
 /// Placeholder for each byte of a comment, a message or a quoted text.
 const HIDDEN: u8 = 1;
 
 /// The marks that hide text on a machine.
 #[derive(Debug, Default)]
-pub struct Marks {
+pub struct RemarkDelimiters {
     /// Begins and ends of comments and messages; without an end they reach the end of the block.
     remarks: Vec<(Vec<u8>, Vec<u8>)>,
     /// Names have digits: `AB1C` is one name, not a word `AB1` and a word `C`.
@@ -30,9 +30,9 @@ pub(super) struct Visible<'t> {
     pub(super) rest: &'t str,
 }
 
-impl Marks {
+impl RemarkDelimiters {
     /// Those of a machine and its pre-processor.
-    pub fn new(format: &Format, syntax: &Syntax) -> Self {
+    pub fn new(format: &ProgramTextFormat, syntax: &Syntax) -> Self {
         let pairs = [&format.comment, &format.message].into_iter().flatten();
         Self::of(pairs.map(|(start, end)| (start.as_str(), end.as_str())), syntax.keeps_names)
     }
@@ -120,15 +120,15 @@ fn within_name(bytes: &[u8], place: usize) -> bool {
 mod tests {
     use super::*;
 
-    fn shown(marks: &Marks, block: &str) -> (String, String) {
+    fn shown(marks: &RemarkDelimiters, block: &str) -> (String, String) {
         let Visible { text, rest } = marks.visible(block);
         (text.replace('\u{1}', "."), rest.to_owned())
     }
 
     #[test]
     fn remarks_and_quoted_texts_are_hidden() {
-        let siemens = Marks::of([(";", "")], true);
-        let fanuc = Marks::of([("(", ")")], false);
+        let siemens = RemarkDelimiters::of([(";", "")], true);
+        let fanuc = RemarkDelimiters::of([("(", ")")], false);
         let pair = |text: &str, rest: &str| (text.to_owned(), rest.to_owned());
         assert_eq!(shown(&siemens, "G1 X5 ; SPOS"), pair("G1 X5 ", "; SPOS"));
         assert_eq!(shown(&siemens, "MSG(\"a;b\") ; c"), pair("MSG(\"...\") ", "; c"));
@@ -141,8 +141,8 @@ mod tests {
 
     #[test]
     fn no_match_cuts_a_name() {
-        let (siemens, fanuc) = (Marks::of([], true), Marks::of([], false));
-        let of = |marks: &Marks, block: &str, word: &str| {
+        let (siemens, fanuc) = (RemarkDelimiters::of([], true), RemarkDelimiters::of([], false));
+        let of = |marks: &RemarkDelimiters, block: &str, word: &str| {
             let at = block.find(word).unwrap();
             marks.is_of_words(block, (at, at + word.len()))
         };

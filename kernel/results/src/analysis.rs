@@ -55,7 +55,7 @@ pub struct WhatIf {
 
 /// A channel on its way through the sync points.
 #[derive(Debug, Clone, Copy)]
-struct Course {
+struct RetimedChannel {
     channel: u16,
     end_ns: i64,
     /// Time of the log up to which it has been followed.
@@ -65,12 +65,12 @@ struct Course {
 }
 
 /// A sync point that was passed: when, by whose doing, and who arrived when.
-struct Passed<'a> {
+struct PassedSyncPoint<'a> {
     point: &'a SyncPoint,
     release_ns: i64,
 }
 
-impl Passed<'_> {
+impl PassedSyncPoint<'_> {
     /// Whether all channels are needed, so none continues before the last arrival.
     fn is_mutual(&self) -> bool {
         matches!(self.point.kind, Primitive::Barrier | Primitive::Count)
@@ -83,11 +83,11 @@ impl Passed<'_> {
     }
 }
 
-fn passed(waits: &[SyncPoint]) -> impl DoubleEndedIterator<Item = Passed<'_>> {
-    waits.iter().filter_map(|point| Some(Passed { point, release_ns: point.release_ns? }))
+fn passed(waits: &[SyncPoint]) -> impl DoubleEndedIterator<Item = PassedSyncPoint<'_>> {
+    waits.iter().filter_map(|point| Some(PassedSyncPoint { point, release_ns: point.release_ns? }))
 }
 
-fn course(courses: &mut [Course], channel: u16) -> Option<&mut Course> {
+fn course(courses: &mut [RetimedChannel], channel: u16) -> Option<&mut RetimedChannel> {
     courses.iter_mut().find(|course| course.channel == channel)
 }
 
@@ -107,7 +107,7 @@ impl Analysis {
 
 fn wait_cost(waits: &[SyncPoint]) -> Vec<(Arc<str>, i64)> {
     let mut costs: BTreeMap<&Arc<str>, i64> = BTreeMap::new();
-    for Passed { point, release_ns } in passed(waits) {
+    for PassedSyncPoint { point, release_ns } in passed(waits) {
         let cost = costs.entry(&point.key).or_default();
         for arrival in &point.arrivals {
             *cost = cost.saturating_add(release_ns.saturating_sub(arrival.t_ns));
@@ -126,7 +126,7 @@ fn critical(ends: &[(u16, i64)], waits: &[SyncPoint]) -> Vec<Stretch> {
         return Vec::new();
     };
     let mut path = Vec::new();
-    for Passed { point, release_ns } in passed(waits).rev() {
+    for PassedSyncPoint { point, release_ns } in passed(waits).rev() {
         let waited = point.arrivals.iter().any(|arrival| arrival.channel == channel && arrival.t_ns < release_ns);
         if !waited || point.by == channel || point.by == 0 || release_ns > until {
             continue;
@@ -145,14 +145,14 @@ fn critical(ends: &[(u16, i64)], waits: &[SyncPoint]) -> Vec<Stretch> {
 
 fn slack(ends: &[(u16, i64)], waits: &[SyncPoint]) -> BTreeMap<u16, i64> {
     let last = ends.iter().map(|(_, end_ns)| *end_ns).max().unwrap_or(0);
-    let start = |&(channel, end_ns): &(u16, i64)| Course { channel, end_ns, at_ns: end_ns, new_ns: last };
-    let mut courses: Vec<Course> = ends.iter().map(start).collect();
+    let start = |&(channel, end_ns): &(u16, i64)| RetimedChannel { channel, end_ns, at_ns: end_ns, new_ns: last };
+    let mut courses: Vec<RetimedChannel> = ends.iter().map(start).collect();
     let mut slack: BTreeMap<u16, i64> = ends.iter().map(|&(channel, end_ns)| (channel, last - end_ns)).collect();
     let mut less = |channel: u16, ns: i64| {
         slack.entry(channel).and_modify(|known| *known = ns.min(*known));
     };
     for passed in passed(waits).rev() {
-        let Passed { point, release_ns } = passed;
+        let PassedSyncPoint { point, release_ns } = passed;
         let mut latest = i64::MAX;
         for arrival in &point.arrivals {
             let Some(course) = course(&mut courses, arrival.channel) else { continue };
@@ -183,7 +183,7 @@ fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
     let mut last: BTreeMap<u16, (usize, i64)> = BTreeMap::new();
     let mut keys: BTreeMap<&Arc<str>, bool> = BTreeMap::new();
     for (at, passed) in passed(waits).enumerate() {
-        let Passed { point, release_ns } = passed;
+        let PassedSyncPoint { point, release_ns } = passed;
         let before =
             |channel: &u16, t_ns: i64| last.get(channel).filter(|(_, until)| *until == t_ns).map(|(at, _)| *at);
         let first = point.arrivals.first().and_then(|arrival| before(&arrival.channel, arrival.t_ns));
@@ -219,10 +219,10 @@ impl WhatIf {
             let part = if of == channel { ns * i128::from(work - faster_ns) / i128::from(work) } else { ns };
             i64::try_from(part).unwrap_or(i64::MAX)
         };
-        let start = |&(channel, end_ns): &(u16, i64)| Course { channel, end_ns, at_ns: 0, new_ns: 0 };
-        let mut courses: Vec<Course> = ends.iter().map(start).collect();
+        let start = |&(channel, end_ns): &(u16, i64)| RetimedChannel { channel, end_ns, at_ns: 0, new_ns: 0 };
+        let mut courses: Vec<RetimedChannel> = ends.iter().map(start).collect();
         for passed in passed(waits) {
-            let Passed { point, release_ns } = passed;
+            let PassedSyncPoint { point, release_ns } = passed;
             let mut from = 0;
             if let Some(course) = passed.actor().and_then(|by| course(&mut courses, by)) {
                 course.new_ns += scaled(course.channel, release_ns.min(course.end_ns) - course.at_ns);
@@ -241,7 +241,7 @@ impl WhatIf {
                 (course.at_ns, course.new_ns) = (release_ns, course.new_ns.max(from));
             }
         }
-        let end = |course: &Course| course.new_ns + scaled(course.channel, course.end_ns - course.at_ns);
+        let end = |course: &RetimedChannel| course.new_ns + scaled(course.channel, course.end_ns - course.at_ns);
         let now = courses.iter().map(end).max().unwrap_or(0);
         let before = ends.iter().map(|(_, end_ns)| *end_ns).max().unwrap_or(0);
         Some(Self { channel, faster_ns, saves_ns: before - now })

@@ -8,17 +8,17 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use counterpoint_event::Outcome;
+use counterpoint_event::RunEnd;
 
 use crate::channel_results::ChannelResults;
 use crate::coordinates;
 use crate::digest::{self, Digest};
 use crate::reported::Reported;
-use crate::summary::{self, ChannelState, State, Summary};
+use crate::summary::{self, ChannelState, JobOutcome, Summary};
 use crate::sync_points::SyncPoints;
 use crate::timeline::{self, Timeline};
 use crate::toolpath::{self, StopPlace, Toolpath, Track};
-use counterpoint_event::event::{Event, FileId, Work};
+use counterpoint_event::event::{Event, FileId, WorkClass};
 use counterpoint_event::info::Info;
 
 /// Least severity of an error.
@@ -38,7 +38,7 @@ pub struct ResultsBuilder {
 
 /// Results of a job.
 #[derive(Debug)]
-pub struct Results {
+pub struct JobResults {
     /// How it ended and how long everything took.
     pub summary: Summary,
     /// The activity of every channel over time.
@@ -103,7 +103,7 @@ impl ResultsBuilder {
 
     /// The log is complete.
     #[must_use]
-    pub fn finish(self, outcome: &Outcome) -> Results {
+    pub fn finish(self, outcome: &RunEnd) -> JobResults {
         let Self { info, mut channels, master, reported, last_ns } = self;
         let last_ns = channels.iter().map(|channel| channel.last_ns).fold(last_ns, i64::max);
         let mut findings = summary::Findings::new(&info);
@@ -115,7 +115,7 @@ impl ResultsBuilder {
         sync_points.complete_cut(|number, stay| {
             let Some(channel) = channels.iter_mut().find(|channel| channel.number == number) else { return };
             let ns = stay.ns();
-            channel.tally.add(Work::Wait, ns);
+            channel.tally.add(WorkClass::Wait, ns);
             channel.bars.wait(last_ns - ns, last_ns, stay);
         });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
@@ -143,8 +143,8 @@ impl ResultsBuilder {
                 tool.operation = operations.get(&tool.tool).copied().unwrap_or_default().to_owned();
             }
             let bars = (bars.finish(end_ns), spans);
-            rows.push(timeline::Channel::new((&info, channel), bars, (state, end_ns), tally.wait_ns));
-            let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
+            rows.push(timeline::ChannelTimeline::new((&info, channel), bars, (state, end_ns), tally.wait_ns));
+            let mut end = summary::ChannelSummary::new(channel, &tally, (state, end_ns));
             if let Some(file) = program {
                 info.file_name(file).clone_into(&mut end.program);
             }
@@ -157,7 +157,7 @@ impl ResultsBuilder {
         let digest = digest::log(digests.into_iter());
         let coordinates = coordinates::of(&info, units.into_iter());
         let summary = findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), (digest, coordinates));
-        let failed = summary.state != State::Succeeded;
+        let failed = summary.state != JobOutcome::Succeeded;
         let stops: Vec<_> = rows
             .iter()
             .zip(&tracks)
@@ -167,7 +167,7 @@ impl ResultsBuilder {
         let tracks =
             tracks.into_iter().zip(spans).zip(stops).map(|((track, spans), stop)| (track, spans, stop)).collect();
         let toolpath = toolpath::Toolpath::new(&info, tracks, failed);
-        Results { summary, timeline: Timeline::new(&info, rows, sync_points, failed), toolpath }
+        JobResults { summary, timeline: Timeline::new(&info, rows, sync_points, failed), toolpath }
     }
 }
 
@@ -177,7 +177,8 @@ fn stop_place(info: &Info, summary: &Summary, number: u16, last: Option<(FileId,
     if matches!(state, ChannelState::Ended | ChannelState::NotStarted) {
         return None;
     }
-    let own = |found: &&summary::Diagnostic| found.channel == number && found.severity >= ERROR && found.line > 0;
+    let own =
+        |found: &&summary::DiagnosticSummary| found.channel == number && found.severity >= ERROR && found.line > 0;
     let error = || summary.diagnostics.iter().rfind(own).map(|found| (found.file.clone(), found.line));
     let wait = || {
         let open = summary.waits.iter().filter(|point| point.release_ns.is_none());

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use crate::coordinates::UnitsRead;
 use crate::digest::Digest;
 use crate::reported::Reported;
-use crate::spans::Spans;
-use crate::summary::tally::Tally;
-use crate::sync_points::Stay;
+use crate::spans::ToolSpanCollector;
+use crate::summary::tally::TimeTally;
+use crate::sync_points::WaitStay;
 use crate::timeline::bars::Bars;
 use crate::toolpath::Track;
-use crate::tools::Tools;
-use counterpoint_event::event::{Event, FileId, Kind, MotionKind, Phase, Work};
+use crate::tools::ToolCollector;
+use counterpoint_event::event::{Event, FileId, Kind, MotionKind, Phase, WorkClass};
 use counterpoint_event::info::{self, Info};
 
 /// One channel of the results in the making.
@@ -23,22 +23,22 @@ pub struct ChannelResults {
     pub number: u16,
     info: Arc<Info>,
     pub(super) digest: Digest,
-    pub(super) tally: Tally,
+    pub(super) tally: TimeTally,
     pub(super) bars: Bars,
     /// Its path, if it may be requested.
     pub(super) track: Option<Track>,
     /// The wait that blocks it.
-    pub(super) wait: Option<Stay>,
+    pub(super) wait: Option<WaitStay>,
     /// Stays that have ended.
-    pub(super) stays: Vec<Stay>,
+    pub(super) stays: Vec<WaitStay>,
     /// Diagnostics and verdicts that came while they were made on their own.
     pub(super) reported: Vec<Reported>,
     /// Start of the latest event.
     pub(super) last_ns: i64,
     /// Its tools.
-    pub(super) tools: Tools,
+    pub(super) tools: ToolCollector,
     /// When they were active.
-    pub(super) spans: Spans,
+    pub(super) spans: ToolSpanCollector,
     /// File that the kernel started with, when it is not the one given to it by the job.
     pub(super) program: Option<FileId>,
     /// The units in which its coordinates were read.
@@ -46,20 +46,20 @@ pub struct ChannelResults {
 }
 
 impl ChannelResults {
-    pub(super) fn new(info: &Arc<Info>, channel: &info::Channel) -> Self {
+    pub(super) fn new(info: &Arc<Info>, channel: &info::JobChannel) -> Self {
         Self {
             number: channel.number,
             info: info.clone(),
             digest: Digest::new(),
-            tally: Tally::default(),
+            tally: TimeTally::default(),
             bars: Bars::new(info.room.bars),
             track: Some(Track::new(info, channel)),
             wait: None,
             stays: Vec::new(),
             reported: Vec::new(),
             last_ns: 0,
-            tools: Tools::default(),
-            spans: Spans::default(),
+            tools: ToolCollector::default(),
+            spans: ToolSpanCollector::default(),
             program: None,
             units: UnitsRead::new(channel),
         }
@@ -94,7 +94,7 @@ impl ChannelResults {
                 self.tally.block(block.number, event.caller.is_some());
             }
             Kind::Motion(motion) => {
-                let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
+                let work = if motion.kind == MotionKind::Rapid { WorkClass::Rapid } else { WorkClass::Feed };
                 self.work(work, event);
                 if !event.caller.is_some() {
                     self.units.moves();
@@ -110,7 +110,7 @@ impl ChannelResults {
     }
 
     #[inline]
-    fn work(&mut self, work: Work, event: &Event) {
+    fn work(&mut self, work: WorkClass, event: &Event) {
         if event.dur_ns > 0 {
             self.tally.work(work, event);
             self.bars.push(work, event.t_ns, event.dur_ns, event.user_place());
@@ -120,10 +120,10 @@ impl ChannelResults {
     fn other(&mut self, event: &Event) {
         let place = event.user_place();
         match &event.kind {
-            Kind::Wait(wait) => self.wait = Some(Stay::new(wait, event.t_ns, (place.file, place.line))),
+            Kind::Wait(wait) => self.wait = Some(WaitStay::new(wait, event.t_ns, (place.file, place.line))),
             Kind::Release(release) => {
-                let stay = self.wait.take().unwrap_or_else(|| Stay::unseen(release, (place.file, place.line)));
-                self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
+                let stay = self.wait.take().unwrap_or_else(|| WaitStay::unseen(release, (place.file, place.line)));
+                self.tally.add(WorkClass::Wait, event.t_ns.saturating_sub(release.since_ns));
                 self.bars.wait(release.since_ns, event.t_ns, &stay);
                 self.stays.push(stay.ended(release, event.t_ns));
             }

@@ -8,14 +8,14 @@ use std::fmt::Write as _;
 use serde::{Deserialize, Serialize};
 
 use counterpoint_event::event::FileId;
-use counterpoint_event::info::{self, Info, Unit};
+use counterpoint_event::info::{self, Info, MachineUnit};
 
 /// Most changes of the unit that are listed for a channel.
 const MAX_CHANGES: usize = 8;
 
 /// The units of a job in the summary.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Coordinates {
+pub struct CoordinateUnits {
     /// For people: `coordinates read in mm, from line 7 in inch`.
     pub text: String,
     /// Channels that have moved, ascending.
@@ -67,7 +67,7 @@ pub struct UnitsRead {
 
 impl UnitsRead {
     /// For a channel that has not moved yet.
-    pub fn new(channel: &info::Channel) -> Self {
+    pub fn new(channel: &info::JobChannel) -> Self {
         Self {
             begins: channel.inch,
             inch: channel.inch,
@@ -127,8 +127,11 @@ impl UnitsRead {
 }
 
 /// The units of all channels; none if nothing has moved. `codes`: the words of units of each channel.
-pub fn of<'c>(info: &Info, channels: impl Iterator<Item = (&'c info::Channel, UnitsRead)>) -> Option<Coordinates> {
-    let name = |inch: bool| if inch { Unit::Inch } else { Unit::Mm }.name();
+pub fn of<'c>(
+    info: &Info,
+    channels: impl Iterator<Item = (&'c info::JobChannel, UnitsRead)>,
+) -> Option<CoordinateUnits> {
+    let name = |inch: bool| if inch { MachineUnit::Inch } else { MachineUnit::Mm }.name();
     let mut texts: Vec<(u16, String)> = Vec::new();
     let mut all = Vec::new();
     for (channel, read) in channels {
@@ -167,5 +170,5 @@ pub fn of<'c>(info: &Info, channels: impl Iterator<Item = (&'c info::Channel, Un
     } else {
         texts.iter().map(|(channel, text)| format!("channel {channel}: {text}")).collect::<Vec<_>>().join("; ")
     };
-    Some(Coordinates { text, channels: all })
+    Some(CoordinateUnits { text, channels: all })
 }

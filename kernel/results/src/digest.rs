@@ -15,7 +15,7 @@ mod form;
 
 use blake3::Hasher;
 
-use counterpoint_event::event::{Block, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
+use counterpoint_event::event::{BlockEvent, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
 use form::{bits, number, write_kind};
 
 /// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy; not so
@@ -26,7 +26,7 @@ const CHUNK: usize = 16 * 1024;
 #[derive(Debug)]
 pub struct Digest {
     hasher: Hasher,
-    form: Form,
+    form: CanonicalForm,
     /// Where the words of an event are put together.
     scratch: Scratch,
 }
@@ -35,16 +35,16 @@ type Scratch = [u64; MOST];
 
 /// The canonical form and the state that it depends on.
 #[derive(Debug, Default)]
-struct Form {
+struct CanonicalForm {
     out: Vec<u8>,
     /// Head of the event before.
-    last: Head,
+    last: EventHead,
     /// Number of the block before.
     number: u64,
     /// Blocks as expected that no word has counted yet.
     blocks: u16,
     /// The motion before.
-    motion: Option<Facts>,
+    motion: Option<MotionFacts>,
     /// Where it ended.
     end: Position,
     /// Its feed.
@@ -53,7 +53,7 @@ struct Form {
 
 /// The fields that every event has; the time is where it ended.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Head {
+struct EventHead {
     over_ns: i64,
     micro: u32,
     file: u16,
@@ -62,7 +62,7 @@ struct Head {
 
 /// State that mostly stays the same from motion to motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Facts {
+struct MotionFacts {
     kind: MotionKind,
     feed_unit: FeedUnit,
     moving: u8,
@@ -100,7 +100,7 @@ impl Digest {
     #[must_use]
     pub fn new() -> Self {
         let out = Vec::with_capacity(CHUNK + 1024);
-        Self { hasher: Hasher::new(), form: Form { out, ..Form::default() }, scratch: [0; MOST] }
+        Self { hasher: Hasher::new(), form: CanonicalForm { out, ..CanonicalForm::default() }, scratch: [0; MOST] }
     }
 
     /// Adds the next event of the channel.
@@ -138,7 +138,7 @@ pub fn log(channels: impl Iterator<Item = (u16, Digest)>) -> String {
 }
 
 /// Words of one event.
-struct Words<'s> {
+struct EventWords<'s> {
     words: &'s mut Scratch,
     count: usize,
 }
@@ -146,7 +146,7 @@ struct Words<'s> {
 /// Words an event has at most: its head, facts, feed, two positions, a centre, a length.
 const MOST: usize = 6 + 2 + 2 * MAX_AXES + 2 + 1;
 
-impl Words<'_> {
+impl EventWords<'_> {
     #[inline(always)]
     fn put(&mut self, word: u64) {
         if let Some(slot) = self.words.get_mut(self.count) {
@@ -184,11 +184,11 @@ impl Words<'_> {
     }
 }
 
-impl Form {
+impl CanonicalForm {
     /// A block as expected is only counted.
     #[inline(always)]
     fn expected(&mut self, event: &Event) -> bool {
-        let Kind::Block(Block { number, .. }) = event.kind else { return false };
+        let Kind::Block(BlockEvent { number, .. }) = event.kind else { return false };
         let last = &mut self.last;
         let expected = number == self.number.wrapping_add(1)
             && event.line == last.line.wrapping_add(1)
@@ -206,7 +206,7 @@ impl Form {
     }
 
     fn event(&mut self, event: &Event, scratch: &mut Scratch) {
-        let head = Head {
+        let head = EventHead {
             over_ns: event.t_ns.wrapping_add(event.dur_ns),
             micro: event.micro,
             file: event.file,
@@ -215,7 +215,7 @@ impl Form {
         let last = std::mem::replace(&mut self.last, head);
         let mut flags = 0;
         // The first word is written last.
-        let mut words = Words { words: scratch, count: 1 };
+        let mut words = EventWords { words: scratch, count: 1 };
         if event.t_ns == last.over_ns {
             flags |= flag::FOLLOWS;
         } else {
@@ -259,8 +259,8 @@ impl Form {
 
     /// The words of a motion; returns the axes that change, of the start and of the end.
     #[inline(always)]
-    fn motion(&mut self, motion: &Motion, words: &mut Words<'_>, flags: &mut u8) -> u64 {
-        let facts = Facts {
+    fn motion(&mut self, motion: &Motion, words: &mut EventWords<'_>, flags: &mut u8) -> u64 {
+        let facts = MotionFacts {
             kind: motion.kind,
             feed_unit: motion.feed_unit,
             moving: motion.moving,
@@ -301,7 +301,7 @@ impl Form {
     }
 }
 
-impl Facts {
+impl MotionFacts {
     fn word(self) -> u64 {
         let (kind, unit) = (self.kind.number().wrapping_sub(1), self.feed_unit.number().wrapping_sub(1));
         let [a, b] = self.turns.to_le_bytes();

@@ -5,10 +5,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use counterpoint_motion::space::Circle;
+use counterpoint_motion::space::SpaceArc;
 
 use counterpoint_event::event::{Motion, MotionKind, Position};
-use counterpoint_event::info::Axis;
+use counterpoint_event::info::JobAxis;
 
 /// An arc in its plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,13 +26,13 @@ pub struct Sweep {
 }
 
 /// Factor from programmed value to radius value.
-pub fn scale(axis: &Axis) -> f64 {
+pub fn scale(axis: &JobAxis) -> f64 {
     if axis.diameter { 0.5 } else { 1.0 }
 }
 
 impl Sweep {
     /// The arc of a motion; `None` for straight ones and for arcs without a plane.
-    pub fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+    pub fn of(motion: &Motion, axes: &[JobAxis]) -> Option<Self> {
         let clockwise = match motion.kind {
             MotionKind::ArcCw => true,
             MotionKind::ArcCcw => false,
@@ -85,7 +85,7 @@ pub struct Spatial {
 }
 
 /// X, Y and Z of a channel.
-pub fn spatial(axes: &[Axis]) -> Spatial {
+pub fn spatial(axes: &[JobAxis]) -> Spatial {
     let find = |letter: &str| {
         let at = axes.iter().position(|axis| axis.name == letter)?;
         Some((at, scale(axes.get(at)?)))
@@ -124,19 +124,19 @@ impl Spatial {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loop {
     /// The circle.
-    pub circle: Circle,
+    pub circle: SpaceArc,
     /// Its axes in the view.
     pub seen: Spatial,
 }
 
 impl Loop {
     /// The circle of a motion; `None` for every other kind.
-    pub fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+    pub fn of(motion: &Motion, axes: &[JobAxis]) -> Option<Self> {
         if motion.kind != MotionKind::ArcSpace {
             return None;
         }
         let seen = spatial(axes);
-        let circle = Circle::bulging(seen.point(&motion.from), seen.point(&motion.to), motion.center).ok()?;
+        let circle = SpaceArc::bulging(seen.point(&motion.from), seen.point(&motion.to), motion.center).ok()?;
         Some(Self { circle, seen })
     }
 
@@ -157,16 +157,16 @@ impl Loop {
 
 /// The circle of a motion, in a plane or in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Round {
+pub enum ArcGeometry {
     /// In a plane of the machine.
     Flat(Sweep),
     /// In any plane.
     Space(Loop),
 }
 
-impl Round {
+impl ArcGeometry {
     /// `None` for straight motions.
-    pub fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+    pub fn of(motion: &Motion, axes: &[JobAxis]) -> Option<Self> {
         match motion.kind {
             MotionKind::ArcCw | MotionKind::ArcCcw => Sweep::of(motion, axes).map(Self::Flat),
             MotionKind::ArcSpace => Loop::of(motion, axes).map(Self::Space),
@@ -175,7 +175,7 @@ impl Round {
     }
 
     /// Where an axis turns back on its way along the circle, as programmed and in order; nothing for axes beside it.
-    pub fn reversals(self, axes: &[Axis], axis: usize) -> impl Iterator<Item = f64> + use<> {
+    pub fn reversals(self, axes: &[JobAxis], axis: usize) -> impl Iterator<Item = f64> + use<> {
         let unit = axes.get(axis).map_or(1.0, scale);
         let (flat, space) = match self {
             Self::Flat(sweep) => (sweep.axes.iter().position(|of| *of == axis).map(|side| (sweep, side)), None),

@@ -10,9 +10,9 @@
 mod tests;
 
 use crate::geometry::Loop;
-use counterpoint_event::event::fields::{Field, Fields, Presence, Record, Value};
+use counterpoint_event::event::fields::{EventField, EventRecord, EventValue, FieldWriter, Presence};
 use counterpoint_event::event::{Event, Kind, Motion, MotionKind};
-use counterpoint_event::info::{Axis, Info};
+use counterpoint_event::info::{Info, JobAxis};
 use counterpoint_fault as diag;
 
 /// Appends the event as one JSON object and a newline. `seq` is its number in the log, from 1.
@@ -36,22 +36,22 @@ pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
 struct Object<'a> {
     info: &'a Info,
     /// Those of the channel.
-    axes: &'a [Axis],
+    axes: &'a [JobAxis],
     motion: Option<&'a Motion>,
     out: &'a mut Vec<u8>,
     /// It has no member yet.
     first: bool,
 }
 
-impl Fields for Object<'_> {
+impl FieldWriter for Object<'_> {
     #[inline]
-    fn put(&mut self, field: Field, value: Value<'_>) {
+    fn put(&mut self, field: EventField, value: EventValue<'_>) {
         match field.json {
             Presence::Never => return,
             Presence::NotBlank if value.is_blank() => return,
             _ => {}
         }
-        if value == Value::Center {
+        if value == EventValue::Center {
             self.motion.into_iter().for_each(|motion| self.center(field.name, motion));
         } else {
             self.name(field.name);
@@ -59,7 +59,7 @@ impl Fields for Object<'_> {
         }
     }
 
-    fn message<R: Record>(&mut self, field: Field, record: Option<&R>) {
+    fn message<R: EventRecord>(&mut self, field: EventField, record: Option<&R>) {
         if field.json == Presence::Never {
             return;
         }
@@ -69,7 +69,7 @@ impl Fields for Object<'_> {
         }
     }
 
-    fn messages<R: Record>(&mut self, field: Field, records: &[R]) {
+    fn messages<R: EventRecord>(&mut self, field: EventField, records: &[R]) {
         if field.json == Presence::Never {
             return;
         }
@@ -93,32 +93,32 @@ impl Object<'_> {
         self.out.extend_from_slice(b"\":");
     }
 
-    fn object(&mut self, record: &impl Record) {
+    fn object(&mut self, record: &impl EventRecord) {
         self.out.push(b'{');
         let mut inner = Object { motion: None, out: self.out, first: true, ..*self };
         record.fields(&mut inner);
         self.out.push(b'}');
     }
 
-    fn value(&mut self, value: Value<'_>) {
+    fn value(&mut self, value: EventValue<'_>) {
         let out = &mut *self.out;
         match value {
-            Value::Bool(flag) => serial(out, &flag),
-            Value::U8(number) => serial(out, &number),
-            Value::U16(number) => serial(out, &number),
-            Value::U32(number) => serial(out, &number),
-            Value::U64(number) => serial(out, &number),
-            Value::I64(number) => serial(out, &number),
-            Value::Float(number) => float(out, number),
-            Value::Known(number) => float(out, number.unwrap_or(f64::NAN)),
-            Value::Text(text) | Value::Word(_, text) | Value::Named(_, text) => serial(out, text),
-            Value::Letter(letter) => serial(out, &letter),
-            Value::Channels(channels) => serial(out, channels),
-            Value::Position(position) => by_axis(out, self.axes.iter().zip(position.iter().copied())),
-            Value::Axes(axes) => serial(out, axes),
-            Value::Pair(pair) => serial(out, pair),
-            Value::File(file, line) => serial(out, if line == 0 { "" } else { self.info.file_name(file) }),
-            Value::Center => {}
+            EventValue::Bool(flag) => serial(out, &flag),
+            EventValue::U8(number) => serial(out, &number),
+            EventValue::U16(number) => serial(out, &number),
+            EventValue::U32(number) => serial(out, &number),
+            EventValue::U64(number) => serial(out, &number),
+            EventValue::I64(number) => serial(out, &number),
+            EventValue::Float(number) => float(out, number),
+            EventValue::Known(number) => float(out, number.unwrap_or(f64::NAN)),
+            EventValue::Text(text) | EventValue::Word(_, text) | EventValue::Named(_, text) => serial(out, text),
+            EventValue::Letter(letter) => serial(out, &letter),
+            EventValue::Channels(channels) => serial(out, channels),
+            EventValue::Position(position) => by_axis(out, self.axes.iter().zip(position.iter().copied())),
+            EventValue::Axes(axes) => serial(out, axes),
+            EventValue::Pair(pair) => serial(out, pair),
+            EventValue::File(file, line) => serial(out, if line == 0 { "" } else { self.info.file_name(file) }),
+            EventValue::Center => {}
         }
     }
 
@@ -140,7 +140,7 @@ impl Object<'_> {
 }
 
 /// An object with a value for each of some axes.
-fn by_axis<'a>(out: &mut Vec<u8>, values: impl Iterator<Item = (&'a Axis, f64)>) {
+fn by_axis<'a>(out: &mut Vec<u8>, values: impl Iterator<Item = (&'a JobAxis, f64)>) {
     out.push(b'{');
     for (index, (axis, number)) in values.enumerate() {
         if index > 0 {

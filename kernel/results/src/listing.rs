@@ -28,13 +28,13 @@ use std::io::{BufWriter, Result, Write};
 use rustc_hash::FxHashMap;
 
 use crate::summary::Summary;
-use blocks::Waits;
-use counterpoint_event::event::{Event, Frame, Kind};
+use blocks::UpcomingReleases;
+use counterpoint_event::event::{Event, FrameShift, Kind};
 use counterpoint_event::info::Info;
-use diagnostics::Counts;
+use diagnostics::DiagnosticCounts;
 use tooling::Tooling;
 use trace::Tracer;
-use travel::Travel;
+use travel::TravelTables;
 
 const BUFFER: usize = 64 * 1024;
 
@@ -113,11 +113,11 @@ fn whole(
     let ended = summary.channels.iter().find(|c| c.channel == channel);
     let end_ns = ended.map_or(0, |c| c.end_ns);
     let axes = own.map_or(&[][..], |c| &c.axes);
-    let mut waits = Waits::new(summary);
-    let mut counts = Counts::default();
+    let mut waits = UpcomingReleases::new(summary);
+    let mut counts = DiagnosticCounts::default();
     let mut tracer = Tracer::default();
     let mut tooling = Tooling::new(end_ns);
-    let mut travel = Travel::new(axes);
+    let mut travel = TravelTables::new(axes);
     header::write(info, &mut out)?;
     for (_, event) in events.filter(|(_, e)| e.channel == channel || e.channel == 0) {
         match &event.kind {
@@ -132,7 +132,7 @@ fn whole(
                 tooling.motion(&event, motion);
                 travel.motion(motion);
             }
-            Kind::Frame(Frame { shift }) => travel.frame(shift),
+            Kind::Frame(FrameShift { shift }) => travel.frame(shift),
             _ => tooling.event(&event),
         }
         if !log_only && (event.channel == channel || of_master(&event)) {
@@ -158,8 +158,8 @@ pub fn render_merged(
     out: &mut dyn Write,
 ) -> Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, out);
-    let mut waits = Waits::new(summary);
-    let mut counts = Counts::default();
+    let mut waits = UpcomingReleases::new(summary);
+    let mut counts = DiagnosticCounts::default();
     let mut tracers: FxHashMap<u16, Tracer> = FxHashMap::default();
     header::write(info, &mut out)?;
     for (_, event) in events {

@@ -14,12 +14,12 @@ pub struct Reported {
     pub file: FileId,
     pub line: u32,
     pub caller: SourcePlace,
-    pub what: What,
+    pub what: ReportedContent,
 }
 
 /// Its content.
 #[derive(Debug)]
-pub enum What {
+pub enum ReportedContent {
     Diagnostic(Box<Diagnostic>),
     Verdict(Box<Verdict>),
 }
@@ -28,8 +28,8 @@ impl Reported {
     /// `None` for all other events.
     pub fn of(event: &Event) -> Option<Self> {
         let what = match &event.kind {
-            Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),
-            Kind::Verdict(verdict) => What::Verdict(verdict.clone()),
+            Kind::Diagnostic(diagnostic) => ReportedContent::Diagnostic(diagnostic.clone()),
+            Kind::Verdict(verdict) => ReportedContent::Verdict(verdict.clone()),
             _ => return None,
         };
         let Event { t_ns, micro, channel, file, line, caller, .. } = *event;
@@ -45,8 +45,8 @@ impl Reported {
     pub fn event(&self) -> Event {
         let Self { t_ns, micro, channel, file, line, caller, .. } = *self;
         let kind = match &self.what {
-            What::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
-            What::Verdict(verdict) => Kind::Verdict(verdict.clone()),
+            ReportedContent::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
+            ReportedContent::Verdict(verdict) => Kind::Verdict(verdict.clone()),
         };
         Event { t_ns, micro, dur_ns: 0, channel, file, line, caller, kind }
     }

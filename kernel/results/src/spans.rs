@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::tools::Tool;
+use crate::tools::ToolSummary;
 use counterpoint_event::event::{Event, FileId, Kind, ToolAction, ToolChange};
 use counterpoint_event::info::{Info, cut};
 
@@ -21,7 +21,7 @@ const LONGEST: usize = 60;
 
 /// A stretch of time with one tool.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Span {
+pub struct ToolSpan {
     /// Tool as programmed.
     pub tool: u32,
     /// Its effect; empty if unknown.
@@ -38,14 +38,14 @@ pub struct Span {
 
 /// Collects them.
 #[derive(Debug, Default)]
-pub struct Spans {
+pub struct ToolSpanCollector {
     /// Tool, time, file and line of each load.
     loads: Vec<(u32, i64, FileId, u32)>,
     /// When the first one came that is not listed.
     full: Option<i64>,
 }
 
-impl Spans {
+impl ToolSpanCollector {
     /// Any event that is neither block nor motion; returns the tool that it loads.
     pub fn event(&mut self, event: &Event) -> Option<u32> {
         let Kind::Tool(ToolChange { action: ToolAction::Load, tool, .. }) = event.kind else { return None };
@@ -60,14 +60,21 @@ impl Spans {
     }
 
     /// All of them up to the end of the channel.
-    pub fn finish(self, info: &Info, tools: &[Tool], end_ns: i64) -> Vec<Span> {
+    pub fn finish(self, info: &Info, tools: &[ToolSummary], end_ns: i64) -> Vec<ToolSpan> {
         let end_ns = self.full.unwrap_or(end_ns).min(end_ns);
         let ends = self.loads.iter().skip(1).map(|(_, t_ns, ..)| *t_ns).chain([end_ns]);
         let span = |((tool, t_ns, file, line), end_ns): (&(u32, i64, FileId, u32), i64)| {
             let known = tools.iter().find(|row| row.tool == *tool).filter(|row| !row.name.is_empty());
             let operation = known.map_or_else(|| operation(info, *file, *line), |row| row.name.clone());
             let file = info.file_name(*file).into();
-            Span { tool: *tool, operation: operation.into(), t_ns: *t_ns, end_ns: end_ns.max(*t_ns), file, line: *line }
+            ToolSpan {
+                tool: *tool,
+                operation: operation.into(),
+                t_ns: *t_ns,
+                end_ns: end_ns.max(*t_ns),
+                file,
+                line: *line,
+            }
         };
         self.loads.iter().zip(ends).filter(|((tool, ..), _)| *tool != 0).map(span).collect()
     }
@@ -149,11 +156,11 @@ mod tests {
     #[test]
     fn a_span_lasts_to_the_next_tool_and_has_its_comment() {
         let info = lathe(&["O1 (PART)\nT0101 (OD  ROUGH)\nG0 X1.\n(DRILL D8)\nN2\nT0202\nT0303 ; BORE\nT0404\n;\n"]);
-        let mut spans = Spans::default();
+        let mut spans = ToolSpanCollector::default();
         for event in [load(2, 10, 1), load(3, 20, 1), load(6, 30, 2), load(7, 40, 3), load(8, 60, 0), load(8, 70, 4)] {
             spans.event(&event);
         }
-        let tools = [Tool { tool: 3, name: "BORING BAR".into(), ..Tool::default() }];
+        let tools = [ToolSummary { tool: 3, name: "BORING BAR".into(), ..ToolSummary::default() }];
         let spans = spans.finish(&info, &tools, 100);
         let shown: Vec<_> = spans.iter().map(|s| (s.tool, &*s.operation, s.t_ns, s.end_ns, s.line)).collect();
         let expected =
@@ -164,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_program_that_changes_tools_for_ever_has_bounded_spans() {
-        let mut spans = Spans::default();
+        let mut spans = ToolSpanCollector::default();
         (0..30_000).for_each(|n| {
             spans.event(&load(1, i64::from(n), n % 2 + 1));
         });

@@ -12,17 +12,17 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::sync_points::{Arrival, SyncPoint, Waits};
-pub use crate::tools::Tool;
+pub use crate::sync_points::{ChannelArrival, SyncPoint, Waits};
+pub use crate::tools::ToolSummary;
 
 use crate::analysis::{Analysis, Race};
-pub use crate::coordinates::{ChannelUnits, Coordinates, UnitFrom};
+pub use crate::coordinates::{ChannelUnits, CoordinateUnits, UnitFrom};
 use crate::late::Late;
-use crate::reported::{Reported, What};
-use counterpoint_event::event::{FileId, Origin, VerdictKind};
+use crate::reported::{Reported, ReportedContent};
+use counterpoint_event::event::{DiagnosticOrigin, FileId, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
 use counterpoint_fault as diag;
-use tally::Tally;
+use tally::TimeTally;
 
 /// Diagnostics that a summary lists; the log holds them all.
 pub const MAX_DIAGNOSTICS: usize = 10_000;
@@ -30,7 +30,7 @@ pub const MAX_DIAGNOSTICS: usize = 10_000;
 /// How a job ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
-pub enum State {
+pub enum JobOutcome {
     /// Every program came to its end without an error.
     Succeeded,
     /// A verdict, a diagnostic of severity 8 or more, or a channel that did not reach its end.
@@ -59,7 +59,7 @@ pub enum ChannelState {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// How it ended.
-    pub state: State,
+    pub state: JobOutcome,
     /// Unit of lengths, `mm` or `inch`: that of the machine.
     #[serde(default)]
     pub unit: String,
@@ -71,15 +71,15 @@ pub struct Summary {
     pub log_digest: String,
     /// The units in which coordinates were read; left out if nothing has moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub coordinates: Option<Coordinates>,
+    pub coordinates: Option<CoordinateUnits>,
     /// Channels, ascending.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelSummary>,
     /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
     /// Why channels can never continue.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<VerdictSummary>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Vec<DiagnosticSummary>,
     /// The causes of the cycle time; omitted unless two channels have run.
     #[serde(default, skip_serializing_if = "is_idle")]
     pub analysis: Late<Analysis>,
@@ -91,7 +91,7 @@ fn is_idle(analysis: &Late<Analysis>) -> bool {
 
 /// A channel in the summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Channel {
+pub struct ChannelSummary {
     /// Number.
     pub channel: u16,
     /// Name.
@@ -114,12 +114,12 @@ pub struct Channel {
     pub wait_ns: i64,
     /// Its tools, in the order of the tooling tables; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub tools: Vec<Tool>,
+    pub tools: Vec<ToolSummary>,
 }
 
 /// The verdict in the summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Verdict {
+pub struct VerdictSummary {
     /// Its class.
     pub kind: VerdictKind,
     /// When it became certain, ns.
@@ -127,12 +127,12 @@ pub struct Verdict {
     /// The story for people.
     pub text: String,
     /// Channels concerned, ascending.
-    pub members: Vec<Member>,
+    pub members: Vec<VerdictChannel>,
 }
 
 /// A channel in the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Member {
+pub struct VerdictChannel {
     /// Channel number.
     pub channel: u16,
     /// File name, empty when it is at no line.
@@ -147,7 +147,7 @@ pub struct Member {
 
 /// A diagnostic in the summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Diagnostic {
+pub struct DiagnosticSummary {
     /// Stable number.
     pub number: u32,
     /// Word of the number, left out where only the machine knows the number.
@@ -173,7 +173,7 @@ pub struct Diagnostic {
     pub kernel: String,
     /// The statement of a macro that raised it, left out if no macro did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub origin: Option<Box<Origin>>,
+    pub origin: Option<Box<DiagnosticOrigin>>,
     /// When, ns.
     pub t_ns: i64,
 }
@@ -182,17 +182,17 @@ pub struct Diagnostic {
 #[derive(Debug)]
 pub struct Findings {
     info: Arc<Info>,
-    verdict: Option<Verdict>,
-    diagnostics: Vec<Diagnostic>,
+    verdict: Option<VerdictSummary>,
+    diagnostics: Vec<DiagnosticSummary>,
     highest_severity: u8,
     races: Vec<Race>,
     /// A channel of programs that are not run was judged up to a block only.
     lost: bool,
 }
 
-impl Channel {
+impl ChannelSummary {
     /// From the times of a channel, its state and where it ended.
-    pub fn new(channel: &info::Channel, tally: &Tally, (state, end_ns): (ChannelState, i64)) -> Self {
+    pub fn new(channel: &info::JobChannel, tally: &TimeTally, (state, end_ns): (ChannelState, i64)) -> Self {
         Self {
             channel: channel.number,
             name: channel.name.clone(),
@@ -225,26 +225,26 @@ impl Findings {
     /// The next one in the order of the log.
     pub fn take(&mut self, reported: &Reported) {
         match &reported.what {
-            What::Diagnostic(diagnostic) => self.diagnostic(reported, diagnostic),
-            What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
-            What::Verdict(_) => {}
+            ReportedContent::Diagnostic(diagnostic) => self.diagnostic(reported, diagnostic),
+            ReportedContent::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
+            ReportedContent::Verdict(_) => {}
         }
     }
 
     /// Ends the summary with the fingerprint of the log and the units. `cut_short`: a program did not reach its end.
     pub fn finish(
         self,
-        channels: Vec<Channel>,
+        channels: Vec<ChannelSummary>,
         waits: Waits,
         (cancelled, cut_short): (bool, bool),
-        (log_digest, coordinates): (String, Option<Coordinates>),
+        (log_digest, coordinates): (String, Option<CoordinateUnits>),
     ) -> Summary {
         let state = if cancelled {
-            State::Cancelled
+            JobOutcome::Cancelled
         } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short && !self.lost {
-            State::Failed
+            JobOutcome::Failed
         } else {
-            State::Succeeded
+            JobOutcome::Succeeded
         };
         let ran = channels.iter().filter(|channel| channel.state != ChannelState::NotStarted);
         let ends: Vec<(u16, i64)> = ran.map(|channel| (channel.channel, channel.end_ns)).collect();
@@ -280,7 +280,7 @@ impl Findings {
         }
         let place = reported.user_place();
         let (file, block) = self.place(place.file, place.line);
-        self.diagnostics.push(Diagnostic {
+        self.diagnostics.push(DiagnosticSummary {
             number: diagnostic.number,
             name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
@@ -296,12 +296,12 @@ impl Findings {
         });
     }
 
-    fn judged(&self, verdict: &counterpoint_event::event::Verdict) -> Verdict {
-        let member = |m: &counterpoint_event::event::Member| {
+    fn judged(&self, verdict: &counterpoint_event::event::Verdict) -> VerdictSummary {
+        let member = |m: &counterpoint_event::event::VerdictMember| {
             let (file, block) = self.place(m.file, m.line);
-            Member { channel: m.channel, file, line: m.line, block, waiting_for: m.waiting_for.clone() }
+            VerdictChannel { channel: m.channel, file, line: m.line, block, waiting_for: m.waiting_for.clone() }
         };
-        Verdict {
+        VerdictSummary {
             kind: verdict.kind,
             at_ns: verdict.at_ns,
             text: verdict.text.to_string(),
@@ -310,7 +310,7 @@ impl Findings {
     }
 
     /// The block of a resident program that raised a diagnostic, if it was one.
-    fn origin(&self, reported: &Reported) -> Option<Box<Origin>> {
+    fn origin(&self, reported: &Reported) -> Option<Box<DiagnosticOrigin>> {
         reported.caller.is_some().then(|| Box::new(self.info.origin(reported.file, reported.line)))
     }
 

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::late::Late;
-use counterpoint_event::event::{FileId, Primitive, Release, Wait};
+use counterpoint_event::event::{FileId, Primitive, Release, WaitArrival};
 use counterpoint_event::info::{BLOCK_TEXT, Info};
 
 /// Channels that waited for each other, whether the wait was satisfied or not.
@@ -29,7 +29,7 @@ pub struct SyncPoint {
     #[serde(default, skip_serializing_if = "is_plain")]
     pub acts: bool,
     /// Channels that arrived, ascending channel.
-    pub arrivals: Vec<Arrival>,
+    pub arrivals: Vec<ChannelArrival>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
@@ -44,7 +44,7 @@ fn is_plain(acts: &bool) -> bool {
 
 /// Arrival of one channel.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Arrival {
+pub struct ChannelArrival {
     /// Channel number.
     pub channel: u16,
     /// When, ns.
@@ -62,8 +62,8 @@ pub type Waits = Late<Vec<SyncPoint>>;
 
 /// A stay of a channel at a wait.
 #[derive(Debug)]
-pub struct Stay {
-    wait: Arc<Wait>,
+pub struct WaitStay {
+    wait: Arc<WaitArrival>,
     pub(super) since_ns: i64,
     pub(super) file: FileId,
     pub(super) line: u32,
@@ -73,16 +73,16 @@ pub struct Stay {
     by: u16,
 }
 
-impl Stay {
+impl WaitStay {
     /// A channel arrives.
-    pub(super) fn new(wait: &Arc<Wait>, since_ns: i64, (file, line): (FileId, u32)) -> Self {
+    pub(super) fn new(wait: &Arc<WaitArrival>, since_ns: i64, (file, line): (FileId, u32)) -> Self {
         Self { wait: wait.clone(), since_ns, file, line, met: (0, 0), by: 0 }
     }
 
     /// Of a release whose wait is not in the log.
     pub(super) fn unseen(release: &Release, place: (FileId, u32)) -> Self {
         let (key, mark) = (release.key.clone(), release.mark.clone());
-        let wait = Wait { key, primitive: release.primitive, participants: [].into(), mark, acts: false };
+        let wait = WaitArrival { key, primitive: release.primitive, participants: [].into(), mark, acts: false };
         Self::new(&Arc::new(wait), release.since_ns, place)
     }
 
@@ -104,16 +104,16 @@ impl Stay {
 
 /// A sync point after which at least one channel has continued.
 #[derive(Debug)]
-struct Met {
+struct ReleasedSyncPoint {
     number: u64,
     release_ns: i64,
     /// Ascending channel.
-    stays: Vec<(u16, Stay)>,
+    stays: Vec<(u16, WaitStay)>,
 }
 
-impl Met {
+impl ReleasedSyncPoint {
     /// Whether a channel that waits takes part, but has not continued.
-    fn misses(&self, channel: u16, stay: &Stay) -> bool {
+    fn misses(&self, channel: u16, stay: &WaitStay) -> bool {
         let wait = &stay.wait;
         self.stays.first().is_some_and(|(_, first)| {
             self.stays.len() < first.wait.participants.len()
@@ -128,11 +128,11 @@ impl Met {
 pub(crate) struct SyncPoints {
     info: Arc<Info>,
     /// Stays that have ended.
-    ended: Vec<(u16, Vec<Stay>)>,
+    ended: Vec<(u16, Vec<WaitStay>)>,
     /// Stays without an end.
-    open: Vec<(u16, Stay)>,
+    open: Vec<(u16, WaitStay)>,
     /// For a log that was cut: the fate of the channels that have ended.
-    met: Vec<Met>,
+    met: Vec<ReleasedSyncPoint>,
 }
 
 impl SyncPoints {
@@ -141,13 +141,13 @@ impl SyncPoints {
     }
 
     /// The stays of a channel, and the one without an end.
-    pub(crate) fn take(&mut self, channel: u16, ended: Vec<Stay>, open: Option<Stay>) {
+    pub(crate) fn take(&mut self, channel: u16, ended: Vec<WaitStay>, open: Option<WaitStay>) {
         self.ended.push((channel, ended));
         self.open.extend(open.map(|stay| (channel, stay)));
     }
 
     /// Ends stays whose partner has continued: the log was cut between their releases. Calls `ended` with each of them.
-    pub(crate) fn complete_cut(&mut self, mut ended: impl FnMut(u16, &Stay)) {
+    pub(crate) fn complete_cut(&mut self, mut ended: impl FnMut(u16, &WaitStay)) {
         if self.open.is_empty() {
             return;
         }
@@ -156,7 +156,7 @@ impl SyncPoints {
             match self.met.iter_mut().rfind(|met| met.misses(channel, &stay)) {
                 Some(met) => {
                     let by = met.stays.first().map_or(0, |(_, first)| first.by);
-                    let stay = Stay { met: (met.number, met.release_ns), by, ..stay };
+                    let stay = WaitStay { met: (met.number, met.release_ns), by, ..stay };
                     ended(channel, &stay);
                     met.stays.push((channel, stay));
                     met.stays.sort_by_key(|(channel, _)| *channel);
@@ -167,7 +167,7 @@ impl SyncPoints {
     }
 
     /// The stay of a channel that has no end.
-    pub(crate) fn open_stay(&self, channel: u16) -> Option<&Stay> {
+    pub(crate) fn open_stay(&self, channel: u16) -> Option<&WaitStay> {
         self.open.iter().find(|(c, _)| *c == channel).map(|(_, stay)| stay)
     }
 
@@ -178,16 +178,16 @@ impl SyncPoints {
 
     fn all(mut self) -> Vec<SyncPoint> {
         self.met.extend(met(self.ended));
-        let mut places = Places { info: &self.info, known: FxHashMap::default() };
+        let mut places = BlockTextCache { info: &self.info, known: FxHashMap::default() };
         let mut all = Vec::with_capacity(self.met.len());
-        for Met { release_ns, stays, .. } in self.met {
+        for ReleasedSyncPoint { release_ns, stays, .. } in self.met {
             let Some((_, first)) = stays.first() else { continue };
             let (key, kind, release_ns, by) = (first.key(), first.wait.primitive, Some(release_ns), first.by);
             let arrivals = stays.iter().map(|(channel, stay)| places.arrival(*channel, stay)).collect();
             all.push(SyncPoint { key, kind, release_ns, by, acts: first.wait.acts, arrivals });
         }
         self.open.sort_by_key(|(channel, stay)| (stay.since_ns, *channel));
-        let mut open: Vec<(Arc<Wait>, SyncPoint)> = Vec::new();
+        let mut open: Vec<(Arc<WaitArrival>, SyncPoint)> = Vec::new();
         for (channel, stay) in self.open {
             let arrival = places.arrival(channel, &stay);
             match open.iter_mut().find(|(wait, _)| **wait == *stay.wait) {
@@ -208,34 +208,34 @@ impl SyncPoints {
 }
 
 /// Brings the stays of all channels together.
-fn met(ended: Vec<(u16, Vec<Stay>)>) -> Vec<Met> {
+fn met(ended: Vec<(u16, Vec<WaitStay>)>) -> Vec<ReleasedSyncPoint> {
     let stays = ended.into_iter().flat_map(|(channel, stays)| stays.into_iter().map(move |stay| (channel, stay)));
-    let mut stays: Vec<(u16, Stay)> = stays.collect();
+    let mut stays: Vec<(u16, WaitStay)> = stays.collect();
     stays.sort_by_key(|(channel, stay)| (stay.met.0, *channel));
-    let mut all: Vec<Met> = Vec::new();
+    let mut all: Vec<ReleasedSyncPoint> = Vec::new();
     for (channel, stay) in stays {
         let (number, release_ns) = stay.met;
         match all.last_mut().filter(|met| met.number == number) {
             Some(met) => met.stays.push((channel, stay)),
-            None => all.push(Met { number, release_ns, stays: vec![(channel, stay)] }),
+            None => all.push(ReleasedSyncPoint { number, release_ns, stays: vec![(channel, stay)] }),
         }
     }
     all
 }
 
 /// Names of files and texts of blocks: loops wait at the same lines again and again.
-struct Places<'a> {
+struct BlockTextCache<'a> {
     info: &'a Info,
     known: FxHashMap<(FileId, u32), (Arc<str>, Arc<str>)>,
 }
 
-impl Places<'_> {
-    fn arrival(&mut self, channel: u16, stay: &Stay) -> Arrival {
+impl BlockTextCache<'_> {
+    fn arrival(&mut self, channel: u16, stay: &WaitStay) -> ChannelArrival {
         let (info, line) = (self.info, stay.line);
         let (file, block) = self.known.entry((stay.file, line)).or_insert_with(|| {
             let name = if line == 0 { "" } else { info.file_name(stay.file) };
             (name.into(), info.block_text(stay.file, line, BLOCK_TEXT).into())
         });
-        Arrival { channel, t_ns: stay.since_ns, file: file.clone(), line, block: block.clone() }
+        ChannelArrival { channel, t_ns: stay.since_ns, file: file.clone(), line, block: block.clone() }
     }
 }

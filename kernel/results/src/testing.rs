@@ -2,14 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::builder::{Results, ResultsBuilder};
-use counterpoint_event::Outcome;
+use crate::builder::{JobResults, ResultsBuilder};
+use counterpoint_event::RunEnd;
 use counterpoint_event::Text;
 use counterpoint_event::event::{Diagnostic, FeedUnit};
 use counterpoint_event::event::{
-    Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, SourcePlace, Wait,
+    Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, SourcePlace, WaitArrival,
 };
-use counterpoint_event::info::{Axis, Channel, File, Info, Room, Unit};
+use counterpoint_event::info::{Info, JobAxis, JobChannel, JobFile, MachineUnit, ResultBudget};
 
 /// A job of a two-turret lathe (X diameter, Z, C on the upper one) with a program text for each channel.
 pub(crate) fn lathe(texts: &[&str]) -> Arc<Info> {
@@ -27,8 +27,8 @@ pub(crate) fn mill(text: &str) -> Arc<Info> {
 }
 
 fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
-    let axis = |name: &&str| Axis { name: (*name).into(), rotary: *name == "C", diameter: diameter && *name == "X" };
-    let channel = |(index, axes): (usize, &&[&str])| Channel {
+    let axis = |name: &&str| JobAxis { name: (*name).into(), rotary: *name == "C", diameter: diameter && *name == "X" };
+    let channel = |(index, axes): (usize, &&[&str])| JobChannel {
         number: index as u16 + 1,
         name: ["UPPER", "LOWER", "THIRD"][index].into(),
         program: format!("jobs/p{}.nc", index + 1),
@@ -42,7 +42,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
         let source = Arc::new(Text::new(bytes::Bytes::copy_from_slice(text.as_bytes()), || false));
-        File { name, stored: false, resident: false, text: OnceLock::from(Some(source)), sections: Vec::new() }
+        JobFile { name, stored: false, resident: false, text: OnceLock::from(Some(source)), sections: Vec::new() }
     };
     Arc::new(Info {
         machine: "lathe2".into(),
@@ -52,8 +52,8 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         machine_file: "lathe2/machine.toml".into(),
         parameters: String::new(),
         trace: counterpoint_event::Letters::default(),
-        unit: Unit::Mm,
-        room: Room { path: 16 << 20, bars: 4 << 20, waiting: 4 << 20 },
+        unit: MachineUnit::Mm,
+        room: ResultBudget { path: 16 << 20, bars: 4 << 20, waiting: 4 << 20 },
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
         files: texts.iter().enumerate().map(file).collect(),
     })
@@ -88,7 +88,7 @@ fn mark(key: &str) -> Arc<str> {
 }
 
 pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: &[u16]) -> Event {
-    let wait = Wait {
+    let wait = WaitArrival {
         key: key.into(),
         primitive: Primitive::Barrier,
         participants: participants.into(),
@@ -114,12 +114,12 @@ pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severi
 }
 
 /// How a complete run of that many events ends.
-pub(crate) fn outcome(events: usize) -> Outcome {
-    Outcome { events: events as u64, cancelled: false, sink_failed: false }
+pub(crate) fn outcome(events: usize) -> RunEnd {
+    RunEnd { events: events as u64, cancelled: false, sink_failed: false }
 }
 
 /// Results of a log.
-pub(crate) fn results(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Results {
+pub(crate) fn results(info: &Arc<Info>, events: &[Event], outcome: &RunEnd) -> JobResults {
     let mut builder = ResultsBuilder::new(info);
     events.iter().for_each(|event| builder.event(event));
     builder.finish(outcome)

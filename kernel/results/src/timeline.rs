@@ -14,9 +14,9 @@ use std::sync::Arc;
 use serde::ser::SerializeStruct as _;
 use serde::{Serialize, Serializer};
 
-use crate::spans::Span;
+use crate::spans::ToolSpan;
 use crate::summary::{ChannelState, Waits};
-use bars::Bar;
+use bars::ActivityBar;
 use counterpoint_event::FileId;
 use counterpoint_event::info::{self, Info};
 
@@ -28,7 +28,7 @@ pub struct Timeline {
     /// When the last channel came to its end.
     pub makespan_ns: i64,
     /// Channels, ascending.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelTimeline>,
     /// Sync points as in the summary.
     pub waits: Waits,
     /// Machine, for the title of the picture.
@@ -41,15 +41,15 @@ pub struct Timeline {
 
 /// A channel in the timeline.
 #[derive(Debug, Clone)]
-pub struct Channel {
+pub struct ChannelTimeline {
     /// Number.
     pub channel: u16,
     /// Name.
     pub name: String,
     /// Its activity.
-    pub bars: Vec<Bar>,
+    pub bars: Vec<ActivityBar>,
     /// Its tools in work, left out without any.
-    pub tools: Vec<Span>,
+    pub tools: Vec<ToolSpan>,
     /// Program, for the title of the picture.
     pub program: String,
     /// How it ended, for the marks of the picture.
@@ -66,13 +66,13 @@ pub struct Channel {
 #[derive(Serialize)]
 struct NamedBar<'a> {
     #[serde(flatten)]
-    bar: &'a Bar,
+    bar: &'a ActivityBar,
     #[serde(skip_serializing_if = "str::is_empty")]
     file: &'a str,
 }
 
 /// The bars of a channel with the names of their files.
-struct NamedBars<'a>(&'a Channel);
+struct NamedBars<'a>(&'a ChannelTimeline);
 
 impl Serialize for NamedBars<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -81,7 +81,7 @@ impl Serialize for NamedBars<'_> {
     }
 }
 
-impl Serialize for Channel {
+impl Serialize for ChannelTimeline {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("Channel", 3 + usize::from(!self.tools.is_empty()))?;
         fields.serialize_field("channel", &self.channel)?;
@@ -94,11 +94,11 @@ impl Serialize for Channel {
     }
 }
 
-impl Channel {
+impl ChannelTimeline {
     /// From the bars and tools of a channel, its state, where it ended and how long it waited.
     pub fn new(
-        (info, channel): (&Arc<Info>, &info::Channel),
-        (bars, tools): (Vec<Bar>, Vec<Span>),
+        (info, channel): (&Arc<Info>, &info::JobChannel),
+        (bars, tools): (Vec<ActivityBar>, Vec<ToolSpan>),
         (state, end_ns): (ChannelState, i64),
         wait_ns: i64,
     ) -> Self {
@@ -116,7 +116,7 @@ impl Channel {
 
 impl Timeline {
     /// From its rows and sync points.
-    pub fn new(info: &Info, channels: Vec<Channel>, waits: Waits, failed: bool) -> Self {
+    pub fn new(info: &Info, channels: Vec<ChannelTimeline>, waits: Waits, failed: bool) -> Self {
         let makespan_ns = channels.iter().map(|c| c.end_ns).max().unwrap_or(0);
         Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone(), failed }
     }

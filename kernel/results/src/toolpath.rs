@@ -32,12 +32,12 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::geometry::{Loop, Sweep, scale};
-use crate::spans::Span;
+use crate::spans::ToolSpan;
 use crate::summary::ChannelState;
-use counterpoint_event::event::{Carried, FeedUnit, FileId, Motion, MotionKind, Position};
-use counterpoint_event::info::{self, Info, Unit};
+use counterpoint_event::event::{CarriedMove, FeedUnit, FileId, Motion, MotionKind, Position};
+use counterpoint_event::info::{self, Info, MachineUnit};
 use face::Face;
-use store::{Curve, Move, Path, Stroke};
+use store::{Curve, PathMove, RecordedPath, Stroke};
 
 /// Tools that get colours of their own.
 const MOST_TOOLS: usize = 500;
@@ -45,7 +45,7 @@ const MOST_TOOLS: usize = 500;
 /// How the path is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum View {
+pub enum ToolpathView {
     /// Turning: Z and the radius X.
     Zx,
     /// X, Y and Z.
@@ -63,7 +63,7 @@ pub struct StopPlace {
     pub line: u32,
 }
 
-impl View {
+impl ToolpathView {
     /// Letters of the coordinates.
     fn letters(self) -> &'static [char] {
         match self {
@@ -79,15 +79,15 @@ pub struct Toolpath {
     /// `mm` or `inch`.
     pub unit: &'static str,
     /// The view, and the meaning of the coordinates.
-    pub view: View,
+    pub view: ToolpathView,
     /// Channels with a program, ascending.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelToolpath>,
     /// Machine, for the title of the picture.
     #[serde(skip)]
     pub machine: String,
     /// Unit of the programs, in which the picture counts.
     #[serde(skip)]
-    pub program_unit: Unit,
+    pub program_unit: MachineUnit,
     /// The job has failed or was cancelled.
     #[serde(skip)]
     pub failed: bool,
@@ -95,7 +95,7 @@ pub struct Toolpath {
 
 /// A channel in the toolpath.
 #[derive(Debug, Clone)]
-pub struct Channel {
+pub struct ChannelToolpath {
     /// Number.
     pub channel: u16,
     /// Name.
@@ -103,16 +103,16 @@ pub struct Channel {
     /// Program, for the title of the picture.
     pub program: String,
     /// Its path.
-    pub path: Path,
+    pub path: RecordedPath,
     /// The path of its live tools on the face of the part, for a turning view.
-    pub face: Option<Path>,
+    pub face: Option<RecordedPath>,
     /// Where it stopped, if it did not reach the end of its program.
     pub stop: Option<StopPlace>,
     /// It works from below the turning axis.
     pub lower: bool,
     /// Names of its tools, by number, in the order of their first motion.
     pub tools: Vec<(u32, String)>,
-    view: View,
+    view: ToolpathView,
     info: Arc<Info>,
 }
 
@@ -124,15 +124,15 @@ struct Eyes {
 }
 
 impl Eyes {
-    fn new(channel: &info::Channel, view: View) -> Self {
+    fn new(channel: &info::JobChannel, view: ToolpathView) -> Self {
         let axis = |letter: &str| {
             let index = channel.axes.iter().position(|a| a.name == letter)?;
             Some((index, scale(channel.axes.get(index)?)))
         };
         Self {
             axes: match view {
-                View::Zx => [axis("Z"), axis("X"), None],
-                View::Xyz => [axis("X"), axis("Y"), axis("Z")],
+                ToolpathView::Zx => [axis("Z"), axis("X"), None],
+                ToolpathView::Xyz => [axis("X"), axis("Y"), axis("Z")],
             },
         }
     }
@@ -164,9 +164,9 @@ impl Eyes {
 /// The path of one channel in the making.
 #[derive(Debug)]
 pub struct Track {
-    axes: Vec<info::Axis>,
+    axes: Vec<info::JobAxis>,
     eyes: Eyes,
-    path: Path,
+    path: RecordedPath,
     face: Option<Face>,
     /// Active tool.
     tool: u32,
@@ -179,28 +179,29 @@ pub struct Track {
 }
 
 /// How the paths of a job are seen.
-fn view(info: &Info) -> View {
-    let turns =
-        |c: &info::Channel| c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z");
-    if info.channels.iter().any(turns) { View::Zx } else { View::Xyz }
+fn view(info: &Info) -> ToolpathView {
+    let turns = |c: &info::JobChannel| {
+        c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z")
+    };
+    if info.channels.iter().any(turns) { ToolpathView::Zx } else { ToolpathView::Xyz }
 }
 
 impl Track {
     /// For a channel that has not moved yet.
-    pub fn new(info: &Info, channel: &info::Channel) -> Self {
+    pub fn new(info: &Info, channel: &info::JobChannel) -> Self {
         let (first, last) = channel.lines;
         let lines = if channel.program.is_empty() { 0 } else { last.saturating_sub(first) };
         // A face takes a quarter of the room.
-        let face = (view(info) == View::Zx).then(|| Face::new(channel, info.room.path / 4)).flatten();
+        let face = (view(info) == ToolpathView::Zx).then(|| Face::new(channel, info.room.path / 4)).flatten();
         let room = if face.is_some() { info.room.path / 4 * 3 } else { info.room.path };
         Self {
             axes: channel.axes.clone(),
             eyes: Eyes::new(channel, view(info)),
-            path: Path::with_capacity(lines as usize, room),
+            path: RecordedPath::with_capacity(lines as usize, room),
             face,
             tool: 0,
             end: None,
-            inch: (channel.inch != (info.unit == Unit::Inch)).then_some(channel.inch),
+            inch: (channel.inch != (info.unit == MachineUnit::Inch)).then_some(channel.inch),
             cut_in_inch: None,
         }
     }
@@ -246,7 +247,7 @@ impl Track {
         };
         self.begin(motion, line);
         self.end = Some(motion.to);
-        self.path.push(Move::new(stroke, self.eyes.point(&motion.to), line), curve);
+        self.path.push(PathMove::new(stroke, self.eyes.point(&motion.to), line), curve);
         if self.face.is_some() || self.cut_in_inch.is_none() {
             self.beside(motion, (file, line));
         }
@@ -254,7 +255,7 @@ impl Track {
 
     /// Another channel has moved an axis, in a straight line as far as the channel knows.
     #[cold]
-    pub fn carried(&mut self, carried: &Carried, place: (FileId, u32)) {
+    pub fn carried(&mut self, carried: &CarriedMove, place: (FileId, u32)) {
         let ends = [*carried.from, *carried.to];
         self.motion(&Motion::straight(MotionKind::Linear, 0, ends, (0.0, FeedUnit::PerMinute), 0.0), place);
     }
@@ -297,13 +298,13 @@ impl Track {
 
     fn chords(&mut self, positions: Vec<Position>, line: u32) {
         for position in positions {
-            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position), line), None);
+            self.path.push(PathMove::new(Stroke::Feed, self.eyes.point(&position), line), None);
         }
     }
 }
 
 /// Tools that moved, with the name that each has when it is first loaded.
-fn tools(path: &Path, spans: &[Span]) -> Vec<(u32, String)> {
+fn tools(path: &RecordedPath, spans: &[ToolSpan]) -> Vec<(u32, String)> {
     let mut all: Vec<(u32, String)> = Vec::new();
     for mark in &path.marks {
         if all.len() < MOST_TOOLS && all.iter().all(|(tool, _)| *tool != mark.tool) {
@@ -316,21 +317,23 @@ fn tools(path: &Path, spans: &[Span]) -> Vec<(u32, String)> {
 
 impl Toolpath {
     /// From the tracks of all channels, the times of their tools and the places where they stopped.
-    pub fn new(info: &Arc<Info>, tracks: Vec<(Track, &[Span], Option<StopPlace>)>, failed: bool) -> Self {
+    pub fn new(info: &Arc<Info>, tracks: Vec<(Track, &[ToolSpan], Option<StopPlace>)>, failed: bool) -> Self {
         let view = view(info);
         let inch = tracks.iter().find_map(|(track, ..)| track.cut_in_inch.flatten());
         let channel =
-            |(channel, (track, spans, stop)): (&info::Channel, (Track, &[Span], Option<StopPlace>))| Channel {
-                channel: channel.number,
-                name: channel.name.clone(),
-                program: channel.program.clone(),
-                lower: channel.lower && view == View::Zx,
-                tools: tools(&track.path, spans),
-                path: track.path,
-                face: track.face.and_then(Face::finish),
-                stop,
-                view,
-                info: info.clone(),
+            |(channel, (track, spans, stop)): (&info::JobChannel, (Track, &[ToolSpan], Option<StopPlace>))| {
+                ChannelToolpath {
+                    channel: channel.number,
+                    name: channel.name.clone(),
+                    program: channel.program.clone(),
+                    lower: channel.lower && view == ToolpathView::Zx,
+                    tools: tools(&track.path, spans),
+                    path: track.path,
+                    face: track.face.and_then(Face::finish),
+                    stop,
+                    view,
+                    info: info.clone(),
+                }
             };
         let all = info.channels.iter().zip(tracks).map(channel);
         Self {
@@ -339,8 +342,8 @@ impl Toolpath {
             channels: all.filter(|c| !c.program.is_empty()).collect(),
             machine: info.machine.clone(),
             program_unit: match inch {
-                Some(true) => Unit::Inch,
-                Some(false) => Unit::Mm,
+                Some(true) => MachineUnit::Inch,
+                Some(false) => MachineUnit::Mm,
                 None => info.unit,
             },
             failed,
@@ -356,8 +359,8 @@ impl Toolpath {
     /// Shown value of one unit of the machine: programs in inches are shown in inches.
     fn shown(&self) -> f64 {
         match (self.unit, self.program_unit) {
-            ("mm", Unit::Inch) => 1.0 / 25.4,
-            ("inch", Unit::Mm) => 25.4,
+            ("mm", MachineUnit::Inch) => 1.0 / 25.4,
+            ("inch", MachineUnit::Mm) => 25.4,
             _ => 1.0,
         }
     }

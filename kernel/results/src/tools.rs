@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use counterpoint_event::event::{Kind, OffsetKind, ToolAction, ToolChange, ToolData, ToolOffset};
+use counterpoint_event::event::{Kind, OffsetKind, OffsetSelection, ToolAction, ToolChange, ToolData};
 
 /// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
 const MOST_OFFSETS: usize = 64;
@@ -16,7 +16,7 @@ const MOST_TOOLS: usize = 10_000;
 
 /// A tool in the summary.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Tool {
+pub struct ToolSummary {
     /// Number as programmed.
     pub tool: u32,
     /// Name, empty without one.
@@ -64,8 +64,8 @@ impl ToolTimes {
 
 /// Collects the tools of a channel.
 #[derive(Debug, Default)]
-pub struct Tools {
-    rows: Vec<Tool>,
+pub struct ToolCollector {
+    rows: Vec<ToolSummary>,
     by_number: FxHashMap<u32, usize>,
     current: Option<usize>,
     /// Times of the channel when the active tool was loaded.
@@ -73,7 +73,7 @@ pub struct Tools {
     data: FxHashMap<u32, Box<ToolData>>,
 }
 
-impl Tools {
+impl ToolCollector {
     /// Any event of the channel that is neither block nor motion, with the times of the channel before it.
     pub(crate) fn event(&mut self, kind: &Kind, times: impl Fn() -> ToolTimes) {
         match kind {
@@ -106,7 +106,7 @@ impl Tools {
         self.current = match self.by_number.get(&tool) {
             Some(row) => Some(*row),
             None if self.rows.len() < MOST_TOOLS => {
-                self.rows.push(Tool { tool, ..Tool::default() });
+                self.rows.push(ToolSummary { tool, ..ToolSummary::default() });
                 self.by_number.insert(tool, self.rows.len() - 1);
                 Some(self.rows.len() - 1)
             }
@@ -118,9 +118,9 @@ impl Tools {
     }
 
     /// Records an offset that is used with the active tool.
-    fn offset(&mut self, offset: Option<ToolOffset>) {
+    fn offset(&mut self, offset: Option<OffsetSelection>) {
         let row = self.current.and_then(|row| self.rows.get_mut(row));
-        let (Some(ToolOffset { kind, number }), Some(row)) = (offset, row) else { return };
+        let (Some(OffsetSelection { kind, number }), Some(row)) = (offset, row) else { return };
         let list = match kind {
             OffsetKind::Length => &mut row.length_offsets,
             OffsetKind::Diameter => &mut row.diameter_offsets,
@@ -129,7 +129,7 @@ impl Tools {
     }
 
     /// The channel has ended, with these times.
-    pub(crate) fn finish(mut self, times: ToolTimes) -> Vec<Tool> {
+    pub(crate) fn finish(mut self, times: ToolTimes) -> Vec<ToolSummary> {
         self.count(times);
         let Self { mut rows, data, .. } = self;
         for row in &mut rows {

@@ -8,7 +8,7 @@ pub(crate) type Word = (u8, String);
 
 /// A line of a program.
 #[derive(Debug, Default)]
-pub(crate) struct Block {
+pub(crate) struct StrippedBlock {
     /// The line without comments, block skip mark and number.
     pub(crate) line: String,
     /// Words of one letter; names of several letters are not words.
@@ -21,7 +21,7 @@ pub(crate) struct Block {
     letters: u32,
 }
 
-impl Block {
+impl StrippedBlock {
     /// Reads a line.
     pub(crate) fn of(raw: &str) -> Self {
         let raw = raw.trim().to_ascii_uppercase();
@@ -156,9 +156,9 @@ mod tests {
             ("NLAP1 G81", "NLAP1 G81"),
             ("(OPEN G96 S200", ""),
         ] {
-            assert_eq!(Block::of(raw).line.trim(), line.trim(), "{raw}");
+            assert_eq!(StrippedBlock::of(raw).line.trim(), line.trim(), "{raw}");
         }
-        let of = |raw: &str| (Block::of(raw).remark, Block::of(raw).ends);
+        let of = |raw: &str| (StrippedBlock::of(raw).remark, StrippedBlock::of(raw).ends);
         assert_eq!(of(";FLAVOR:Marlin"), (true, false));
         assert_eq!(of("T101 (OD) ;"), (false, true));
         assert_eq!(of("G1 X1 ; (note)"), (false, false));
@@ -168,7 +168,12 @@ mod tests {
     #[test]
     fn words_have_one_letter() {
         let of = |raw: &str| {
-            Block::of(raw).words.iter().map(|(l, v)| format!("{}{v}", char::from(*l))).collect::<Vec<_>>().join(" ")
+            StrippedBlock::of(raw)
+                .words
+                .iter()
+                .map(|(l, v)| format!("{}{v}", char::from(*l)))
+                .collect::<Vec<_>>()
+                .join(" ")
         };
         assert_eq!(of("N1T01M06 X-.5Y[#1+2]"), "T01 M06 X-.5 Y[#1+2");
         assert_eq!(of("CYCLE81(1,2) LIMS=3000 _X1 A3=1"), "A3=1");

@@ -5,15 +5,15 @@
 
 use std::collections::BTreeMap;
 
-use super::evidence::{Evidence, Shown};
-use super::{Candidate, Rows};
+use super::evidence::{Evidence, FoundSign};
+use super::{MachineCandidate, Rows};
 
 /// Controls named in an answer.
 const NAMED: usize = 4;
 
 /// A control with its marks in the programs.
 #[derive(Debug)]
-pub(crate) struct Control<'c> {
+pub(crate) struct ControlEvidence<'c> {
     /// Name of the control in messages.
     pub(crate) title: &'c str,
     /// Whether a machine has this control.
@@ -21,14 +21,14 @@ pub(crate) struct Control<'c> {
     /// Whether programs without marks are for this control.
     plain: bool,
     /// Its marks, those that the programs show.
-    pub(crate) shown: Vec<Shown<'c>>,
+    pub(crate) shown: Vec<FoundSign<'c>>,
     /// Weight of its own marks; programs without marks are for a plain control.
     own: u32,
     /// Marks of others that it does not have.
     foreign: BTreeMap<&'c str, u32>,
 }
 
-impl Control<'_> {
+impl ControlEvidence<'_> {
     /// Whether the programs show that they are for this control and no other.
     pub(crate) fn is_marked(&self) -> bool {
         !self.plain && !self.shown.is_empty()
@@ -44,9 +44,9 @@ impl Control<'_> {
 }
 
 /// All controls, including those without a machine, the most likely first.
-fn controls<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Vec<Control<'c>> {
+fn controls<'c>(candidates: &'c [MachineCandidate], evidence: &'c Evidence) -> Vec<ControlEvidence<'c>> {
     let mut rows: BTreeMap<(bool, &str), (bool, Vec<&Rows>)> = BTreeMap::new();
-    for Candidate { signs, .. } in candidates {
+    for MachineCandidate { signs, .. } in candidates {
         let known = rows.entry((false, &signs.control)).or_default();
         known.0 |= signs.plain;
         known.1.push(&signs.marks);
@@ -54,12 +54,12 @@ fn controls<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Vec<Cont
             rows.entry((true, title)).or_default().1.push(marks);
         }
     }
-    let mut all: Vec<Control<'c>> = rows
+    let mut all: Vec<ControlEvidence<'c>> = rows
         .into_iter()
         .map(|((elsewhere, title), (plain, rows))| {
             let shown = evidence.shown(rows.into_iter().flatten());
             let own = u32::from(plain) + shown.iter().map(|mark| mark.weight).sum::<u32>();
-            Control { title, here: !elsewhere, plain, shown, own, foreign: BTreeMap::new() }
+            ControlEvidence { title, here: !elsewhere, plain, shown, own, foreign: BTreeMap::new() }
         })
         .collect();
     let marks: Vec<(&str, u32)> = all.iter().flat_map(|one| one.shown.iter().map(|m| (m.pattern, m.weight))).collect();
@@ -76,7 +76,10 @@ fn controls<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Vec<Cont
 }
 
 /// The control of the programs, or the reason why it cannot be decided.
-pub(crate) fn decide<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Result<Control<'c>, String> {
+pub(crate) fn decide<'c>(
+    candidates: &'c [MachineCandidate],
+    evidence: &'c Evidence,
+) -> Result<ControlEvidence<'c>, String> {
     let mut all = controls(candidates, evidence);
     if all.is_empty() {
         return Err("no machine has signs".to_owned());
@@ -105,10 +108,10 @@ pub(crate) fn decide<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) ->
 }
 
 /// Marks of several controls.
-fn disagree(first: &Control<'_>, all: &[Control<'_>], evidence: &Evidence) -> String {
-    let foreign = |mark: &&Shown<'_>| first.foreign.contains_key(mark.pattern);
+fn disagree(first: &ControlEvidence<'_>, all: &[ControlEvidence<'_>], evidence: &Evidence) -> String {
+    let foreign = |mark: &&FoundSign<'_>| first.foreign.contains_key(mark.pattern);
     let others = all.iter().filter(|other| other.shown.iter().any(|mark| foreign(&mark)));
-    let mut marks: Vec<Shown<'_>> = Vec::new();
+    let mut marks: Vec<FoundSign<'_>> = Vec::new();
     let mut titles = Vec::new();
     for other in others.take(NAMED) {
         titles.push(other.title);

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use bytes::Bytes;
 use counterpoint_event::Text;
 
-use super::block::Block;
-use super::pattern::{Part, Pattern};
-use super::prose::Lines;
+use super::block::StrippedBlock;
+use super::pattern::{PatternTerm, SignPattern};
+use super::prose::LineCounts;
 
 /// Signs named in an answer.
 const NAMED: usize = 3;
@@ -29,7 +29,7 @@ const LINES_BETWEEN_STOPS: u32 = 256;
 
 /// A program of a job.
 #[derive(Debug, Clone)]
-pub struct Program {
+pub struct ExaminedProgram {
     /// Name of its file.
     pub name: String,
     /// The file.
@@ -41,7 +41,7 @@ pub struct Program {
 }
 
 /// The lowest M code of three or more digits that all programs have outside round brackets.
-pub(crate) fn common_m_code(programs: &[Program]) -> Option<u32> {
+pub(crate) fn common_m_code(programs: &[ExaminedProgram]) -> Option<u32> {
     let mut all = programs.iter().map(|program| m_codes(&program.content));
     let mut common = all.next()?;
     for other in all {
@@ -72,7 +72,7 @@ fn m_codes(text: &[u8]) -> Vec<u32> {
 
 /// Where a sign was found first.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Found {
+pub(crate) struct SignOccurrence {
     /// How the program shows it.
     pub(crate) text: String,
     /// Number of the program.
@@ -83,15 +83,15 @@ pub(crate) struct Found {
 
 /// A sign that the programs show.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown<'e> {
+pub(crate) struct FoundSign<'e> {
     /// Its pattern.
     pub(crate) pattern: &'e str,
     /// Its weight.
     pub(crate) weight: u32,
-    found: &'e Found,
+    found: &'e SignOccurrence,
 }
 
-impl Shown<'_> {
+impl FoundSign<'_> {
     /// Whether the name of the file shows the sign, not its text.
     pub(crate) fn is_name(&self) -> bool {
         self.found.line == 0
@@ -101,7 +101,7 @@ impl Shown<'_> {
 /// The signs found in the programs.
 #[derive(Debug, Default)]
 pub(crate) struct Evidence {
-    found: BTreeMap<String, Found>,
+    found: BTreeMap<String, SignOccurrence>,
     /// Names of the files.
     names: Vec<String>,
     /// O-programs in the only file.
@@ -109,13 +109,17 @@ pub(crate) struct Evidence {
     /// Main programs of an archive in the only file.
     pub(crate) mains: usize,
     /// Lines that are blocks, and others.
-    pub(crate) lines: Lines,
+    pub(crate) lines: LineCounts,
 }
 
 impl Evidence {
     /// Looks for patterns in programs.
-    pub(crate) fn of(programs: &[Program], patterns: &[&Pattern], stop: &dyn Fn() -> bool) -> Result<Self, String> {
-        let mut search = Search::new(patterns);
+    pub(crate) fn of(
+        programs: &[ExaminedProgram],
+        patterns: &[&SignPattern],
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Self, String> {
+        let mut search = SignSearch::new(patterns);
         let mut evidence = Self { names: programs.iter().map(|one| one.name.clone()).collect(), ..Self::default() };
         for (index, program) in programs.iter().enumerate() {
             search.name(index, &program.name);
@@ -131,7 +135,7 @@ impl Evidence {
                 evidence.definitions += usize::from(definition(bytes).is_some());
                 evidence.mains += usize::from(is_main(bytes));
                 if program.number.is_none() || current.is_none() || program.number == current {
-                    let block = Block::of(&String::from_utf8_lossy(bytes));
+                    let block = StrippedBlock::of(&String::from_utf8_lossy(bytes));
                     evidence.lines.count(&block.line);
                     search.block(&block, (index, line));
                 }
@@ -142,11 +146,11 @@ impl Evidence {
     }
 
     /// The rows of tables that the programs show, each pattern once with its highest weight.
-    pub(crate) fn shown<'e>(&'e self, rows: impl IntoIterator<Item = &'e (Pattern, u32)>) -> Vec<Shown<'e>> {
-        let mut all: BTreeMap<&str, Shown<'e>> = BTreeMap::new();
+    pub(crate) fn shown<'e>(&'e self, rows: impl IntoIterator<Item = &'e (SignPattern, u32)>) -> Vec<FoundSign<'e>> {
+        let mut all: BTreeMap<&str, FoundSign<'e>> = BTreeMap::new();
         for (pattern, weight) in rows {
             let Some(found) = self.found.get(pattern.text()).filter(|_| *weight > 0) else { continue };
-            let shown = Shown { pattern: pattern.text(), weight: *weight, found };
+            let shown = FoundSign { pattern: pattern.text(), weight: *weight, found };
             let known = all.entry(pattern.text()).or_insert(shown);
             known.weight = known.weight.max(*weight);
         }
@@ -156,7 +160,7 @@ impl Evidence {
     }
 
     /// The heaviest signs with their places; signs of equal weight in the order of their places.
-    pub(crate) fn named(&self, shown: &[Shown<'_>]) -> String {
+    pub(crate) fn named(&self, shown: &[FoundSign<'_>]) -> String {
         let mut shown: Vec<_> = shown.iter().collect();
         shown.sort_by_key(|one| (std::cmp::Reverse(one.weight), Self::order(one.found)));
         let mut texts: Vec<String> = Vec::new();
@@ -169,7 +173,7 @@ impl Evidence {
     }
 
     /// A sign with its place.
-    fn place(&self, found: &Found) -> String {
+    fn place(&self, found: &SignOccurrence) -> String {
         let name = self.names.get(found.program).map_or("", String::as_str);
         match found.line {
             0 => format!("{} ({name})", found.text),
@@ -179,7 +183,7 @@ impl Evidence {
     }
 
     /// Order of places.
-    fn order(found: &Found) -> (usize, u32) {
+    fn order(found: &SignOccurrence) -> (usize, u32) {
         (found.program, found.line)
     }
 }
@@ -215,20 +219,20 @@ fn is_main(line: &[u8]) -> bool {
 
 /// A sign that is looked for.
 struct Sought<'p> {
-    pattern: &'p Pattern,
+    pattern: &'p SignPattern,
     /// First places of its parts, as far as they are found.
-    parts: Vec<Option<Found>>,
+    parts: Vec<Option<SignOccurrence>>,
     /// Whether a word was found that must not be in any block.
     refuted: bool,
 }
 
-struct Search<'p> {
+struct SignSearch<'p> {
     sought: Vec<Sought<'p>>,
     ends: u32,
 }
 
-impl<'p> Search<'p> {
-    fn new(patterns: &[&'p Pattern]) -> Self {
+impl<'p> SignSearch<'p> {
+    fn new(patterns: &[&'p SignPattern]) -> Self {
         let mut known = BTreeMap::new();
         for pattern in patterns {
             let sought = || Sought { pattern, parts: vec![None; pattern.parts.len()], refuted: false };
@@ -243,14 +247,14 @@ impl<'p> Search<'p> {
         let small = format!(".{}", ending.to_ascii_lowercase());
         for sought in &mut self.sought {
             for (part, found) in sought.pattern.parts.iter().zip(&mut sought.parts) {
-                if matches!(part, Part::File(of) if *of == small) && found.is_none() {
-                    *found = Some(Found { text: format!("the file ending .{ending}"), program, line: 0 });
+                if matches!(part, PatternTerm::File(of) if *of == small) && found.is_none() {
+                    *found = Some(SignOccurrence { text: format!("the file ending .{ending}"), program, line: 0 });
                 }
             }
         }
     }
 
-    fn block(&mut self, block: &Block, (program, line): (usize, u32)) {
+    fn block(&mut self, block: &StrippedBlock, (program, line): (usize, u32)) {
         self.ends += u32::from(block.ends);
         if block.line.is_empty() && !block.remark {
             return;
@@ -259,19 +263,19 @@ impl<'p> Search<'p> {
             sought.refuted = sought.pattern.nowhere.iter().any(|no| no.is_in(block));
             for (part, found) in sought.pattern.parts.iter().zip(&mut sought.parts) {
                 if found.is_none() {
-                    *found = part.in_block(block, self.ends).map(|text| Found { text, program, line });
+                    *found = part.in_block(block, self.ends).map(|text| SignOccurrence { text, program, line });
                 }
             }
         }
     }
 
     /// The signs of which every part was found; each where its last part is.
-    fn into_found(self) -> BTreeMap<String, Found> {
+    fn into_found(self) -> BTreeMap<String, SignOccurrence> {
         let one = |sought: Sought<'p>| {
-            let parts: Vec<Found> = sought.parts.into_iter().collect::<Option<_>>()?;
+            let parts: Vec<SignOccurrence> = sought.parts.into_iter().collect::<Option<_>>()?;
             let last = parts.iter().max_by_key(|found| Evidence::order(found))?.clone();
             let text = parts.into_iter().map(|found| found.text).collect::<Vec<_>>().join(" and ");
-            Some((sought.pattern.text().to_owned(), Found { text, ..last })).filter(|_| !sought.refuted)
+            Some((sought.pattern.text().to_owned(), SignOccurrence { text, ..last })).filter(|_| !sought.refuted)
         };
         self.sought.into_iter().filter_map(one).collect()
     }
@@ -285,7 +289,7 @@ mod tests {
     fn the_programs_of_a_job_have_a_bounded_share_and_a_stop_ends_the_search() {
         assert_eq!([1, 4, 16, 64].map(searched_bytes), [4 << 20, 4 << 20, 1 << 20, 256 << 10]);
         let content = Bytes::from("G1 X1\n".repeat(2 * LINES_BETWEEN_STOPS as usize));
-        let program = Program { name: "a.nc".into(), content, number: None, part: false };
+        let program = ExaminedProgram { name: "a.nc".into(), content, number: None, part: false };
         let looks = std::cell::Cell::new(0);
         let stop = || looks.replace(looks.get() + 1) == 1;
         assert!(Evidence::of(std::slice::from_ref(&program), &[], &stop).is_err());

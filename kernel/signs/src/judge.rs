@@ -7,10 +7,10 @@
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-use super::controls::{Control, decide};
-use super::evidence::{self, Evidence, Program, Shown};
-use super::pattern::Pattern;
-use super::{Candidate, Guess};
+use super::controls::{ControlEvidence, decide};
+use super::evidence::{self, Evidence, ExaminedProgram, FoundSign};
+use super::pattern::SignPattern;
+use super::{Guess, MachineCandidate};
 
 /// Weight from which signs are enough.
 const ENOUGH: u32 = 2;
@@ -24,8 +24,8 @@ const ENOUGH: u32 = 2;
 ///
 /// The reason why no machine can be chosen, as the rest of a sentence.
 pub fn guess(
-    candidates: &[Candidate],
-    programs: &[Program],
+    candidates: &[MachineCandidate],
+    programs: &[ExaminedProgram],
     waits: Option<&RangeInclusive<u32>>,
     stop: &dyn Fn() -> bool,
 ) -> Result<Guess, String> {
@@ -35,21 +35,21 @@ pub fn guess(
         let named = signs.elsewhere.iter().chain(&signs.traits).map(|(_, rows)| rows);
         [&signs.marks, &signs.waits, &signs.channels].into_iter().chain(named)
     });
-    let patterns: Vec<&Pattern> = tables.flatten().map(|(pattern, _)| pattern).collect();
+    let patterns: Vec<&SignPattern> = tables.flatten().map(|(pattern, _)| pattern).collect();
     let evidence = Evidence::of(programs, &patterns, stop)?;
     let control = decide(candidates, &evidence)?;
     let of_control = candidates.iter().filter(|candidate| candidate.signs.control == control.title);
-    let machines: Vec<_> = of_control.map(|candidate| Machine::of(candidate, &evidence)).collect();
+    let machines: Vec<_> = of_control.map(|candidate| MachineEvidence::of(candidate, &evidence)).collect();
     Judge { programs, evidence: &evidence, control: &control, machines }.judge()
 }
 
 /// The candidates with other waiting codes.
-fn with_waits(candidates: &[Candidate], waits: Option<&RangeInclusive<u32>>) -> Vec<Candidate> {
+fn with_waits(candidates: &[MachineCandidate], waits: Option<&RangeInclusive<u32>>) -> Vec<MachineCandidate> {
     let mut candidates = candidates.to_vec();
     if let Some(waits) = waits {
         for (pattern, _) in candidates.iter_mut().flat_map(|candidate| &mut candidate.signs.waits) {
             if pattern.is_m_codes() {
-                *pattern = Pattern::m_codes(*waits.start(), *waits.end());
+                *pattern = SignPattern::m_codes(*waits.start(), *waits.end());
             }
         }
     }
@@ -57,22 +57,22 @@ fn with_waits(candidates: &[Candidate], waits: Option<&RangeInclusive<u32>>) -> 
 }
 
 /// A candidate with its signs in the programs.
-struct Machine<'c> {
-    candidate: &'c Candidate,
+struct MachineEvidence<'c> {
+    candidate: &'c MachineCandidate,
     /// Its traits with their signs.
-    traits: Vec<(&'c str, Vec<Shown<'c>>)>,
-    waits: Vec<Shown<'c>>,
+    traits: Vec<(&'c str, Vec<FoundSign<'c>>)>,
+    waits: Vec<FoundSign<'c>>,
 }
 
-impl<'c> Machine<'c> {
-    fn of(candidate: &'c Candidate, evidence: &'c Evidence) -> Self {
+impl<'c> MachineEvidence<'c> {
+    fn of(candidate: &'c MachineCandidate, evidence: &'c Evidence) -> Self {
         let traits = candidate.signs.traits.iter().map(|(name, rows)| (name.as_str(), evidence.shown(rows))).collect();
         Self { candidate, traits, waits: evidence.shown(&candidate.signs.waits) }
     }
 
     /// Weight of its signs, each counted once.
     fn weight(&self) -> u32 {
-        let mut counted: Vec<Shown<'c>> = Vec::new();
+        let mut counted: Vec<FoundSign<'c>> = Vec::new();
         for sign in self.signs() {
             match counted.iter_mut().find(|known| known.pattern == sign.pattern) {
                 Some(known) => known.weight = known.weight.max(sign.weight),
@@ -96,7 +96,7 @@ impl<'c> Machine<'c> {
         if partners > 1 { self.candidate.channels >= partners } else { self.takes(1, false) }
     }
 
-    fn signs(&self) -> impl Iterator<Item = &Shown<'c>> {
+    fn signs(&self) -> impl Iterator<Item = &FoundSign<'c>> {
         self.traits.iter().flat_map(|(_, shown)| shown)
     }
 
@@ -110,26 +110,26 @@ impl<'c> Machine<'c> {
     }
 }
 
-fn weight<'s>(signs: impl IntoIterator<Item = &'s Shown<'s>>) -> u32 {
+fn weight<'s>(signs: impl IntoIterator<Item = &'s FoundSign<'s>>) -> u32 {
     signs.into_iter().map(|sign| sign.weight).sum()
 }
 
 struct Judge<'c> {
-    programs: &'c [Program],
+    programs: &'c [ExaminedProgram],
     evidence: &'c Evidence,
-    control: &'c Control<'c>,
-    machines: Vec<Machine<'c>>,
+    control: &'c ControlEvidence<'c>,
+    machines: Vec<MachineEvidence<'c>>,
 }
 
 /// A machine with the weights for and against it.
-struct Verdict<'j, 'c> {
-    machine: &'j Machine<'c>,
+struct MachineScore<'j, 'c> {
+    machine: &'j MachineEvidence<'c>,
     by: u32,
     /// Traits that show and that it does not have.
-    against: Vec<(&'c str, Vec<Shown<'c>>)>,
+    against: Vec<(&'c str, Vec<FoundSign<'c>>)>,
 }
 
-impl Verdict<'_, '_> {
+impl MachineScore<'_, '_> {
     fn against(&self) -> u32 {
         self.against.iter().map(|(_, shown)| weight(shown)).sum()
     }
@@ -154,7 +154,7 @@ impl<'c> Judge<'c> {
 
     /// Whether a wait that the programs show is a mark of the control, too.
     fn are_waits_marks(&self) -> bool {
-        let is_mark = |wait: &Shown<'_>| self.control.shown.iter().any(|mark| mark.pattern == wait.pattern);
+        let is_mark = |wait: &FoundSign<'_>| self.control.shown.iter().any(|mark| mark.pattern == wait.pattern);
         self.machines.iter().flat_map(|machine| &machine.waits).any(is_mark)
     }
 
@@ -182,7 +182,7 @@ impl<'c> Judge<'c> {
         let names: Vec<&str> = fit.iter().map(|machine| machine.candidate.name.as_str()).collect();
         let mut verdicts: Vec<_> = fit.into_iter().map(|machine| self.verdict(machine, channels)).collect();
         verdicts.sort_by_key(|verdict| std::cmp::Reverse(verdict.score()));
-        let proven = |verdict: &&Verdict<'_, '_>| sole || verdict.machine.is_proven();
+        let proven = |verdict: &&MachineScore<'_, '_>| sole || verdict.machine.is_proven();
         let mut proven = verdicts.iter().filter(proven);
         let Some(best) = proven.next() else { return Err(self.unproven(&names)) };
         if let Some(other) = proven.next().filter(|other| other.score() == best.score()) {
@@ -197,8 +197,8 @@ impl<'c> Judge<'c> {
 
     /// A sign counts for a machine with its weight there. If it weighs more for another machine, the difference counts
     /// against.
-    fn verdict<'j>(&self, machine: &'j Machine<'c>, channels: usize) -> Verdict<'j, 'c> {
-        let mut against: Vec<(&'c str, Vec<Shown<'c>>)> = Vec::new();
+    fn verdict<'j>(&self, machine: &'j MachineEvidence<'c>, channels: usize) -> MachineScore<'j, 'c> {
+        let mut against: Vec<(&'c str, Vec<FoundSign<'c>>)> = Vec::new();
         for (name, shown) in self.machines.iter().flat_map(|other| &other.traits) {
             for sign in shown {
                 let own = machine.signs().filter(|own| own.pattern == sign.pattern).map(|own| own.weight).max();
@@ -222,13 +222,13 @@ impl<'c> Judge<'c> {
         if channels > 1 && machine.candidate.channels > 1 {
             by += weight(&machine.waits);
         }
-        Verdict { machine, by, against }
+        MachineScore { machine, by, against }
     }
 
     /// The best machine, unless the weight against it is too large.
     fn accept(
         &self,
-        best: &Verdict<'_, 'c>,
+        best: &MachineScore<'_, 'c>,
         channels: usize,
         (sole, none_together): (bool, bool),
     ) -> Result<Guess, String> {
@@ -257,7 +257,7 @@ impl<'c> Judge<'c> {
         if channels > 1 && none_together && machine.traits.iter().any(|(name, _)| multi(name)) {
             return Err(self.for_control(&no_machine(channels)));
         }
-        if machine.traits.is_empty() && self.control.shown.iter().all(Shown::is_name) {
+        if machine.traits.is_empty() && self.control.shown.iter().all(FoundSign::is_name) {
             return Err(self.for_control("nothing but the name shows it"));
         }
         let needs = !self.control.is_marked() || !machine.traits.is_empty() && !sole;
@@ -273,8 +273,9 @@ impl<'c> Judge<'c> {
 
     /// Refuses a machine without a rotary axis that the programs move. Checks only machines that are guessed by their
     /// rotary axes or have only X, Y and Z.
-    fn check_axes(&self, machine: &Machine<'_>) -> Result<(), String> {
-        let traits = |machine: &'_ Machine<'c>| machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
+    fn check_axes(&self, machine: &MachineEvidence<'_>) -> Result<(), String> {
+        let traits =
+            |machine: &'_ MachineEvidence<'c>| machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
         let by_axes = machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
         let plain = machine.candidate.axes.iter().collect::<String>() == "XYZ";
         if !plain && !by_axes.into_iter().any(|(pattern, _)| pattern.rotary_axes().len() > 1) {
@@ -283,7 +284,7 @@ impl<'c> Judge<'c> {
         let of_axes = self.machines.iter().flat_map(traits).filter(|(pattern, _)| !pattern.rotary_axes().is_empty());
         let rows: Vec<_> = of_axes.collect();
         let shown = self.evidence.shown(rows.iter().copied());
-        let is_shown = |pattern: &Pattern| shown.iter().any(|sign| sign.pattern == pattern.text());
+        let is_shown = |pattern: &SignPattern| shown.iter().any(|sign| sign.pattern == pattern.text());
         let moved: BTreeSet<char> = rows
             .iter()
             .filter(|(pattern, _)| is_shown(pattern))
@@ -304,14 +305,14 @@ impl<'c> Judge<'c> {
     }
 
     /// Signs speak for the best machine and against it.
-    fn disagree(&self, best: &Verdict<'_, 'c>) -> String {
+    fn disagree(&self, best: &MachineScore<'_, 'c>) -> String {
         let (others, signs) = names(&best.against);
         let (own, shown) = names(&best.machine.traits);
         let (shown, signs) = (self.evidence.named(&shown), self.evidence.named(&signs));
         self.for_control(&format!("the program shows {own} ({shown}) as well as {others} ({signs})"))
     }
 
-    fn why(&self, machine: &Machine<'_>, channels: usize) -> String {
+    fn why(&self, machine: &MachineEvidence<'_>, channels: usize) -> String {
         let mut parts = Vec::new();
         if channels > 1 {
             let of = if self.programs.len() > 1 { "programs" } else { "programs of one file" };
@@ -356,7 +357,7 @@ impl<'c> Judge<'c> {
 }
 
 /// Names of traits that show, and their signs.
-fn names<'s>(traits: &[(&'s str, Vec<Shown<'s>>)]) -> (String, Vec<Shown<'s>>) {
+fn names<'s>(traits: &[(&'s str, Vec<FoundSign<'s>>)]) -> (String, Vec<FoundSign<'s>>) {
     let shown: Vec<_> = traits.iter().filter(|(_, shown)| !shown.is_empty()).collect();
     let names = shown.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" and ");
     (names, shown.iter().flat_map(|(_, shown)| shown.iter().copied()).collect())

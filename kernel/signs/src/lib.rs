@@ -12,12 +12,12 @@ mod judge;
 mod pattern;
 mod prose;
 
-pub use evidence::{Program, has_program, searched_bytes};
+pub use evidence::{ExaminedProgram, has_program, searched_bytes};
 pub use judge::guess;
-pub use pattern::Pattern;
+pub use pattern::SignPattern;
 
 /// Rows of a table of signs with their weights.
-pub type Rows = Vec<(Pattern, u32)>;
+pub type Rows = Vec<(SignPattern, u32)>;
 
 /// Highest weight of a sign.
 pub const HEAVIEST: u32 = 9;
@@ -43,7 +43,7 @@ pub struct Signs {
 
 /// A machine that may be meant.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub struct MachineCandidate {
     /// Its name.
     pub name: String,
     /// Number of its channels.

@@ -5,24 +5,24 @@
 //! .mpf` the ending of a file, `; text` a text after a semicolon, `blocks end with ;` three of them. `&&` joins
 //! patterns that must all be found. *Invariant:* a pattern that exists can match some program.
 
-use super::block::{Block, Word, bit};
+use super::block::{StrippedBlock, Word, bit};
 
 /// Number of blocks that must end with a semicolon.
 const ENDS: u32 = 3;
 
 /// The pattern of a sign.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
+pub struct SignPattern {
     text: String,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<PatternTerm>,
     pub(crate) nowhere: Vec<Alternatives>,
 }
 
 /// The expected findings.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Part {
+pub(crate) enum PatternTerm {
     /// Words of a block.
-    Words(Words),
+    Words(WordPattern),
     /// A line, `*` for any text and `#` for a digit.
     Line(String),
     /// A name or text in a line.
@@ -37,7 +37,7 @@ pub(crate) enum Part {
 
 /// Words that a block has, and has not.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Words {
+pub(crate) struct WordPattern {
     with: Vec<Alternatives>,
     without: Vec<Alternatives>,
     /// No other word is in the block.
@@ -48,11 +48,11 @@ pub(crate) struct Words {
 
 /// Words of which one is enough.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Alternatives(Vec<(u8, Value)>);
+pub(crate) struct Alternatives(Vec<(u8, ValuePattern)>);
 
 /// Which values of a word are meant.
 #[derive(Debug, Clone, PartialEq)]
-enum Value {
+enum ValuePattern {
     Any,
     /// From one number to another.
     Numbers(f64, f64),
@@ -64,7 +64,7 @@ enum Value {
     Pointed,
 }
 
-impl Pattern {
+impl SignPattern {
     /// Reads a pattern, or reports the error in it.
     ///
     /// # Errors
@@ -74,16 +74,16 @@ impl Pattern {
         let (mut parts, mut nowhere) = (Vec::new(), Vec::new());
         for part in text.split("&&").map(str::trim) {
             let found = match part.split_once(' ') {
-                Some((";", "text")) => Part::Remark,
-                Some(("file", ending)) if ending.starts_with('.') => Part::File(ending.to_ascii_lowercase()),
-                Some(("line", line)) if !line.trim().is_empty() => Part::Line(line.trim().to_ascii_uppercase()),
-                Some(("has", name)) if !name.trim().is_empty() => Part::Has(name.trim().to_ascii_uppercase()),
-                _ if part == "blocks end with ;" => Part::Ends,
-                _ => Part::Words(words(part, &mut nowhere)?),
+                Some((";", "text")) => PatternTerm::Remark,
+                Some(("file", ending)) if ending.starts_with('.') => PatternTerm::File(ending.to_ascii_lowercase()),
+                Some(("line", line)) if !line.trim().is_empty() => PatternTerm::Line(line.trim().to_ascii_uppercase()),
+                Some(("has", name)) if !name.trim().is_empty() => PatternTerm::Has(name.trim().to_ascii_uppercase()),
+                _ if part == "blocks end with ;" => PatternTerm::Ends,
+                _ => PatternTerm::Words(words(part, &mut nowhere)?),
             };
             parts.push(found);
         }
-        let empty = |part: &Part| matches!(part, Part::Words(words) if words.with.is_empty());
+        let empty = |part: &PatternTerm| matches!(part, PatternTerm::Words(words) if words.with.is_empty());
         parts.retain(|part| !empty(part));
         if parts.is_empty() {
             return Err("must name a word that is in the program".to_owned());
@@ -94,9 +94,9 @@ impl Pattern {
     /// M codes of a range.
     #[must_use]
     pub fn m_codes(first: u32, last: u32) -> Self {
-        let alternatives = Alternatives(vec![(b'M', Value::Numbers(f64::from(first), f64::from(last)))]);
-        let words = Words { letters: bit(b'M'), with: vec![alternatives], ..Words::default() };
-        Self { text: format!("M{first}-{last}"), parts: vec![Part::Words(words)], nowhere: Vec::new() }
+        let alternatives = Alternatives(vec![(b'M', ValuePattern::Numbers(f64::from(first), f64::from(last)))]);
+        let words = WordPattern { letters: bit(b'M'), with: vec![alternatives], ..WordPattern::default() };
+        Self { text: format!("M{first}-{last}"), parts: vec![PatternTerm::Words(words)], nowhere: Vec::new() }
     }
 
     /// The pattern as it is written.
@@ -109,12 +109,12 @@ impl Pattern {
     /// plain words of rotary axes or words of other letters.
     pub(crate) fn rotary_axes(&self) -> Vec<char> {
         let letter = |alternatives: &Alternatives| match alternatives.0.as_slice() {
-            [(letter @ b'A'..=b'C', Value::Any)] => Some(char::from(*letter)),
+            [(letter @ b'A'..=b'C', ValuePattern::Any)] => Some(char::from(*letter)),
             _ => None,
         };
         let mut letters = Vec::new();
         for part in &self.parts {
-            let Part::Words(words) = part else { return Vec::new() };
+            let PatternTerm::Words(words) = part else { return Vec::new() };
             if words.with.iter().all(|alternatives| alternatives.0.iter().all(|(letter, _)| *letter > b'C')) {
                 continue;
             }
@@ -127,14 +127,14 @@ impl Pattern {
 
     /// Whether it is a range of M codes and nothing else.
     pub(crate) fn is_m_codes(&self) -> bool {
-        let m = |part: &Part| matches!(part, Part::Words(words) if words.letters == bit(b'M') && words.with.len() == 1);
+        let m = |part: &PatternTerm| matches!(part, PatternTerm::Words(words) if words.letters == bit(b'M') && words.with.len() == 1);
         self.parts.iter().all(m) && self.nowhere.is_empty()
     }
 }
 
 /// Reads the terms of a pattern of words.
-fn words(text: &str, nowhere: &mut Vec<Alternatives>) -> Result<Words, String> {
-    let mut words = Words::default();
+fn words(text: &str, nowhere: &mut Vec<Alternatives>) -> Result<WordPattern, String> {
+    let mut words = WordPattern::default();
     for term in text.split_whitespace() {
         if term == "alone" {
             words.alone = true;
@@ -160,16 +160,16 @@ fn alternatives(term: &str) -> Result<Alternatives, String> {
         let letter = letter.bytes().next().filter(u8::is_ascii_uppercase).ok_or_else(wrong)?;
         let number = |text: &str| text.parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(wrong);
         let value = match spec.split_once('-') {
-            _ if spec.is_empty() => Value::Any,
-            _ if spec == "." => Value::Pointed,
+            _ if spec.is_empty() => ValuePattern::Any,
+            _ if spec == "." => ValuePattern::Pointed,
             _ if spec.contains('#') && spec.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'#' | b'.')) => {
-                Value::Digits(spec.to_owned())
+                ValuePattern::Digits(spec.to_owned())
             }
-            Some((first, last)) => Value::Numbers(number(first)?, number(last)?),
+            Some((first, last)) => ValuePattern::Numbers(number(first)?, number(last)?),
             None => match (spec.strip_prefix('<'), spec.strip_prefix('>')) {
-                (Some(limit), _) => Value::Below(number(limit)?),
-                (_, Some(limit)) => Value::Above(number(limit)?),
-                _ => Value::Numbers(number(spec)?, number(spec)?),
+                (Some(limit), _) => ValuePattern::Below(number(limit)?),
+                (_, Some(limit)) => ValuePattern::Above(number(limit)?),
+                _ => ValuePattern::Numbers(number(spec)?, number(spec)?),
             },
         };
         Ok((letter, value))
@@ -179,17 +179,17 @@ fn alternatives(term: &str) -> Result<Alternatives, String> {
 
 impl Alternatives {
     /// The first word of a block that is meant.
-    fn of<'b>(&self, block: &'b Block) -> Option<&'b Word> {
+    fn of<'b>(&self, block: &'b StrippedBlock) -> Option<&'b Word> {
         block.words.iter().find(|(letter, value)| self.0.iter().any(|(l, v)| l == letter && v.is(value)))
     }
 
     /// Whether a block has such a word.
-    pub(crate) fn is_in(&self, block: &Block) -> bool {
+    pub(crate) fn is_in(&self, block: &StrippedBlock) -> bool {
         block.has_letters(self.0.iter().fold(0, |bits, (l, _)| bits | bit(*l))) && self.of(block).is_some()
     }
 }
 
-impl Value {
+impl ValuePattern {
     fn is(&self, written: &str) -> bool {
         let number = || written.parse::<f64>().ok();
         match self {
@@ -206,9 +206,9 @@ impl Value {
     }
 }
 
-impl Part {
+impl PatternTerm {
     /// The sign in a line, in a form for people; `ends` counts the blocks that end with a semicolon.
-    pub(crate) fn in_block(&self, block: &Block, ends: u32) -> Option<String> {
+    pub(crate) fn in_block(&self, block: &StrippedBlock, ends: u32) -> Option<String> {
         match self {
             Self::Words(words) => words.in_block(block),
             Self::Line(form) => {
@@ -223,8 +223,8 @@ impl Part {
     }
 }
 
-impl Words {
-    fn in_block(&self, block: &Block) -> Option<String> {
+impl WordPattern {
+    fn in_block(&self, block: &StrippedBlock) -> Option<String> {
         if !block.has_letters(self.letters) || self.alone && block.words.len() != self.with.len() {
             return None;
         }
@@ -297,8 +297,8 @@ mod tests {
     use super::*;
 
     fn shown(pattern: &str, line: &str) -> Option<String> {
-        let pattern = Pattern::parse(pattern).unwrap();
-        let block = Block::of(line);
+        let pattern = SignPattern::parse(pattern).unwrap();
+        let block = StrippedBlock::of(line);
         pattern.parts.first().and_then(|part| part.in_block(&block, ENDS))
     }
 
@@ -359,7 +359,7 @@ mod tests {
             ("has A3=", ""),
             ("B && has TRAORI", ""),
         ] {
-            let axes: String = Pattern::parse(pattern).unwrap().rotary_axes().into_iter().collect();
+            let axes: String = SignPattern::parse(pattern).unwrap().rotary_axes().into_iter().collect();
             assert_eq!(axes, letters, "{pattern}");
         }
     }
@@ -367,7 +367,7 @@ mod tests {
     #[test]
     fn what_is_no_pattern_is_refused() {
         for text in ["", "!X", "!!X", "alone", "7", "XY", "T<", "file mpf", "G1 && "] {
-            let known = Pattern::parse(text);
+            let known = SignPattern::parse(text);
             assert!(known.is_err() || text == "G1 && ", "{text}: {known:?}");
         }
     }

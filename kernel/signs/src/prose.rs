@@ -13,12 +13,12 @@ const OPERATORS: &[&str] = &["AND", "OR", "XOR", "MOD", "EQ", "NE", "GT", "LT", 
 
 /// Lines of programs by their kind.
 #[derive(Debug, Default)]
-pub(crate) struct Lines {
+pub(crate) struct LineCounts {
     blocks: usize,
     others: usize,
 }
 
-impl Lines {
+impl LineCounts {
     /// Counts a line in capitals, without comments and number. Heads of programs and sections count as neither.
     pub(crate) fn count(&mut self, line: &str) {
         let line = line.trim();
@@ -76,10 +76,10 @@ fn is_other(line: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::Block;
+    use crate::block::StrippedBlock;
 
     fn other(line: &str) -> bool {
-        is_other(Block::of(line).line.trim())
+        is_other(StrippedBlock::of(line).line.trim())
     }
 
     #[test]

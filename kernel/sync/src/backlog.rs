@@ -208,7 +208,7 @@ impl Backlog {
     }
 
     /// The job has ended: takes the rest, up to its stop. Gives the results back.
-    pub fn close(mut self, stop: Tag) -> Closed {
+    pub fn close(mut self, stop: Tag) -> BacklogResults {
         let mut from = self.taken;
         for (chunk, _) in std::mem::take(&mut self.waiting) {
             let rest = chunk.get(std::mem::take(&mut from)..).unwrap_or_default();
@@ -216,7 +216,7 @@ impl Backlog {
             let end = rest.iter().position(after).unwrap_or(rest.len());
             self.keep(rest.get(..end).unwrap_or_default());
         }
-        Closed { results: self.results, events: self.events, last: self.last }
+        BacklogResults { results: self.results, events: self.events, last: self.last }
     }
 
     fn keep(&mut self, events: &[Event]) {
@@ -231,7 +231,7 @@ impl Backlog {
 }
 
 /// The results of the events of a channel.
-pub struct Closed {
+pub struct BacklogResults {
     /// Its results, if results are requested.
     pub results: Option<ChannelResults>,
     /// Events up to the stop of the job.

@@ -23,12 +23,12 @@ use crate::locks::atomic::{
     Ordering::{Acquire, Relaxed, Release, SeqCst},
 };
 use crate::locks::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
-use crate::merge::Message;
-use crate::order::{BLOCKED, Effect, Order};
-use crate::shared::Shared;
+use crate::merge::MergerMessage;
+use crate::order::{BLOCKED, Order, OrderEffect};
+use crate::shared::SharedState;
 use crate::sink::WrittenFiles;
 use crate::tag::Tag;
-use crate::waits::Waits;
+use crate::waits::JobWaits;
 
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
@@ -57,7 +57,7 @@ struct Slot {
 }
 
 /// Everything under the lock.
-struct Inner {
+struct CoordinatorState {
     order: Order,
     /// By kernel: all its events are sent, and it sends none until it is woken.
     flushed: Vec<bool>,
@@ -67,14 +67,14 @@ struct Inner {
     /// Kernels that wait for a permit, with their bound.
     queue: Vec<(i64, u16)>,
     /// To the merger, if there is one.
-    messages: Option<Sender<Message>>,
+    messages: Option<Sender<MergerMessage>>,
 }
 
 /// The coordinator of the kernels of one job: the order of their shared operations.
 pub struct Coordinator {
     channels: Channels,
     slots: Box<[Slot]>,
-    inner: Mutex<Inner>,
+    inner: Mutex<CoordinatorState>,
     /// Time of the stop, read by running kernels once per block.
     stop_t: AtomicI64,
     /// Counts when a resume begins to change a bound and when it has.
@@ -95,10 +95,10 @@ pub struct Coordinator {
     crowded_waits: AtomicU32,
 }
 
-type Guard<'a> = MutexGuard<'a, Inner>;
+type Guard<'a> = MutexGuard<'a, CoordinatorState>;
 
-impl Inner {
-    fn send(&self, message: Message) {
+impl CoordinatorState {
+    fn send(&self, message: MergerMessage) {
         if let Some(messages) = &self.messages {
             let _ = messages.send(message);
         }
@@ -116,9 +116,9 @@ impl Coordinator {
     pub fn new(
         channels: Channels,
         threads: usize,
-        shared: Shared,
-        waits: Waits,
-        messages: Option<Sender<Message>>,
+        shared: SharedState,
+        waits: JobWaits,
+        messages: Option<Sender<MergerMessage>>,
     ) -> Self {
         let kernels = channels.count();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
@@ -140,7 +140,7 @@ impl Coordinator {
         };
         Self {
             slots: (0..kernels).map(|_| slot()).collect(),
-            inner: Mutex::new(Inner {
+            inner: Mutex::new(CoordinatorState {
                 order: Order::new(channels.clone(), shared, waits),
                 flushed: vec![false; kernels],
                 stream_blocked: vec![false; kernels],
@@ -270,7 +270,7 @@ impl Coordinator {
     }
 
     /// Lets the order take its next steps.
-    fn settle(&self, inner: &mut Inner) {
+    fn settle(&self, inner: &mut CoordinatorState) {
         // A kernel that this turn resumed has its bound back before bounds are read, or others would act before it.
         self.apply(inner);
         inner.order.hear(self.slots.iter().map(|slot| slot.bound.load(SeqCst)));
@@ -289,7 +289,7 @@ impl Coordinator {
     }
 
     /// Executes the decisions of the order.
-    fn apply(&self, inner: &mut Inner) {
+    fn apply(&self, inner: &mut CoordinatorState) {
         let mut effects = inner.order.effects();
         if effects.is_empty() {
             return inner.order.recycle(effects);
@@ -297,24 +297,24 @@ impl Coordinator {
         self.set_bounds(&effects);
         for effect in effects.drain(..) {
             match effect {
-                Effect::Bound(..) => {}
-                Effect::Blocked(channel) => self.stream_blocked(inner, channel),
-                Effect::Woken(channel, tag) => {
+                OrderEffect::Bound(..) => {}
+                OrderEffect::Blocked(channel) => self.stream_blocked(inner, channel),
+                OrderEffect::Woken(channel, tag) => {
                     let index = self.channels.index(channel);
                     if let Some(flushed) = inner.flushed.get_mut(index) {
                         *flushed = false;
                     }
                     let blocked = inner.stream_blocked.get_mut(index).is_some_and(std::mem::take);
                     if let Some(tag) = tag.filter(|_| blocked) {
-                        inner.send(Message::Resumed(channel, tag));
+                        inner.send(MergerMessage::Resumed(channel, tag));
                     }
                     self.signal(channel);
                 }
-                Effect::Stop(tag) => {
+                OrderEffect::Stop(tag) => {
                     self.stop_t.fetch_min(tag.t, SeqCst);
                     // When a job is aborted, the log ends where its kernels do.
                     if tag != ABORT {
-                        inner.send(Message::StopAt(tag));
+                        inner.send(MergerMessage::StopAt(tag));
                     }
                 }
             }
@@ -324,8 +324,9 @@ impl Coordinator {
 
     /// Sets the bounds of kernels that continue before the bounds of kernels that block or end. Otherwise a kernel that
     /// looks at this very moment would see no kernel that can still act.
-    fn set_bounds(&self, effects: &[Effect]) {
-        let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
+    fn set_bounds(&self, effects: &[OrderEffect]) {
+        let bound =
+            |effect: &OrderEffect| if let OrderEffect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
         if self.one_thread {
             // No kernel looks in the meantime.
             effects.iter().filter_map(bound).for_each(|(channel, t)| self.set_bound(channel, t));
@@ -360,10 +361,10 @@ impl Coordinator {
     }
 
     /// The kernel is blocked: the merger hears of it once all events up to here are sent.
-    fn stream_blocked(&self, inner: &mut Inner, channel: u16) {
+    fn stream_blocked(&self, inner: &mut CoordinatorState, channel: u16) {
         let index = self.channels.index(channel);
         if inner.flushed.get(index) == Some(&true) {
-            inner.send(Message::Blocked(channel));
+            inner.send(MergerMessage::Blocked(channel));
             if let Some(blocked) = inner.stream_blocked.get_mut(index) {
                 *blocked = true;
             }
@@ -378,7 +379,7 @@ mod tests {
 
     #[test]
     fn nobody_seems_later_than_who_can_resume_a_blocked_one() {
-        let core = Coordinator::new(Channels::new(1..=3), 0, Shared::default(), waits(3), None);
+        let core = Coordinator::new(Channels::new(1..=3), 0, SharedState::default(), waits(3), None);
         assert!(core.publish(1, 1000) && core.publish(3, 40));
         core.unordered(|order| order.block(2));
         // Channel 3 can resume channel 2 at 40, and channel 2 can stop the job then.
@@ -391,12 +392,12 @@ mod tests {
 
     #[test]
     fn whoever_is_resumed_has_a_bound_before_who_resumed_it_has_none() {
-        let core = Coordinator::new(Channels::new(1..=2), 0, Shared::default(), waits(2), None);
+        let core = Coordinator::new(Channels::new(1..=2), 0, SharedState::default(), waits(2), None);
         assert!(core.publish(1, 50));
         core.unordered(|order| order.block(2));
-        core.set_bounds(&[Effect::Bound(1, BLOCKED), Effect::Bound(1, 60), Effect::Bound(2, 60)]);
+        core.set_bounds(&[OrderEffect::Bound(1, BLOCKED), OrderEffect::Bound(1, 60), OrderEffect::Bound(2, 60)]);
         assert_eq!((core.bound(1), core.bound(2)), (60, 60));
-        core.set_bounds(&[Effect::Bound(2, 70), Effect::Bound(2, BLOCKED)]);
+        core.set_bounds(&[OrderEffect::Bound(2, 70), OrderEffect::Bound(2, BLOCKED)]);
         assert_eq!(core.bound(2), BLOCKED);
     }
 }

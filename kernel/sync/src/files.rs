@@ -17,7 +17,7 @@ const MOST_BYTES: usize = 64 << 20;
 
 /// The files by path; one without a text has been removed.
 #[derive(Debug, Clone, Default)]
-pub struct Written {
+pub struct SharedFiles {
     files: BTreeMap<String, Option<Arc<str>>>,
     bytes: usize,
     /// Files that printing statements of programs write line by line, by path.
@@ -26,7 +26,7 @@ pub struct Written {
     left: Vec<(Tag, String, Option<String>)>,
 }
 
-impl Written {
+impl SharedFiles {
     /// Text of a file; `Some(None)`: it has been removed.
     pub fn get(&self, path: &str) -> Option<Option<Arc<str>>> {
         if let Some(text) = self.printed.get(path) {
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn how_much_may_be_written_is_bounded() {
-        let mut written = Written::default();
+        let mut written = SharedFiles::default();
         let big = "x".repeat(MOST_BYTES / 2);
         assert_eq!(written.put("a", &big), Ok(()));
         assert_eq!(written.put("a", &big), Ok(()), "in its own place");
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(written.put("c", "x"), Ok(()));
         assert_eq!(written.get("b"), Some(None));
         assert_eq!(written.take().iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["a", "c"]);
-        let mut printed = Written::default();
+        let mut printed = SharedFiles::default();
         for text in ["a", "b", "c"] {
             assert_eq!(printed.print("p", text), Ok(()));
         }
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(printed.put("p", "new"), Ok(()));
         assert_eq!(printed.print("p", "er"), Ok(()));
         assert_eq!(printed.take(), [("p".to_owned(), Arc::from("newer"))]);
-        let mut many = Written::default();
+        let mut many = SharedFiles::default();
         for number in 0..MOST_FILES {
             assert_eq!(many.put(&number.to_string(), ""), Ok(()));
         }
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn what_was_open_is_written_up_to_the_stop() {
         let tag = |t, channel| Tag { t, micro: 0, channel };
-        let mut written = Written::default();
+        let mut written = SharedFiles::default();
         assert_eq!(written.put("t", "temporary"), Ok(()));
         for (at, text) in [(tag(5, 2), "late"), (tag(3, 2), "second"), (tag(3, 1), "first")] {
             written.leave(at, "a", Some(text));

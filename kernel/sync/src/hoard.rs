@@ -1,7 +1,7 @@
 //! Memory of variables that all kernels share.
 
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::Scale;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::MemoryTally;
 
 /// Variables that many kernels may write to, with their memory. They are weighed when the text written since could be
 /// too much.
@@ -24,8 +24,8 @@ impl Hoard {
 }
 
 /// Bytes of values.
-pub fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
-    let mut scale = Scale::default();
+pub fn weight<'v>(values: impl Iterator<Item = &'v MacroValue>) -> u64 {
+    let mut scale = MemoryTally::default();
     values.for_each(|value| scale.add(value));
     scale.bytes
 }

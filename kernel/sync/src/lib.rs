@@ -26,4 +26,4 @@ pub mod wait;
 pub mod waits;
 
 pub use hoard::weight;
-pub use primitives::{Letter, Moved};
+pub use primitives::{LastAxisMove, Letter};

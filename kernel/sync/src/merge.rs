@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
 
 use crate::backlog::Chunk;
-use crate::sink::Sink;
+use crate::sink::LogSink;
 use crate::tag::Tag;
 use counterpoint_event::event::Event;
 
@@ -24,7 +24,7 @@ const CREDIT: usize = 8;
 pub const TEXTS: usize = 32 << 10;
 
 /// Messages of the kernels to the merger.
-pub enum Message {
+pub enum MergerMessage {
     /// Events of a stream, and the promise that later ones are not before `upto`.
     Chunk {
         /// Stream.
@@ -54,7 +54,7 @@ pub enum Message {
 pub struct Feeder {
     /// Number of the channel.
     pub channel: u16,
-    messages: Sender<Message>,
+    messages: Sender<MergerMessage>,
     back: Receiver<Chunk>,
     /// Chunks on the way.
     sent: usize,
@@ -66,7 +66,7 @@ impl Feeder {
     /// Sends events; no later event is before `upto`.
     pub fn send(&mut self, events: Chunk, upto: Tag) {
         self.sent += 1;
-        let _ = self.messages.send(Message::Chunk { channel: self.channel, events, upto });
+        let _ = self.messages.send(MergerMessage::Chunk { channel: self.channel, events, upto });
     }
 
     /// As many chunks are on the way as may be: the kernel waits for one to come back.
@@ -90,7 +90,7 @@ impl Feeder {
     /// A chunk in advance of those that come back.
     pub fn advance(&mut self) -> Chunk {
         self.sent -= 1;
-        let _ = self.messages.send(Message::Advanced(self.channel));
+        let _ = self.messages.send(MergerMessage::Advanced(self.channel));
         Chunk::default()
     }
 
@@ -112,16 +112,16 @@ impl Returned {
     }
 }
 
-enum State {
+enum StreamState {
     Active(Tag),
     Blocked,
     Done,
 }
 
-struct Stream {
+struct MergeStream {
     channel: u16,
     chunks: VecDeque<(Chunk, usize)>,
-    state: State,
+    state: StreamState,
     /// Its kernel sleeps and keeps events back.
     asleep: bool,
     /// Chunks of these that its kernel has got back in advance.
@@ -130,7 +130,7 @@ struct Stream {
     back: Sender<Chunk>,
 }
 
-impl Stream {
+impl MergeStream {
     fn head(&self) -> Option<Tag> {
         let (events, at) = self.chunks.front()?;
         events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, channel: self.channel })
@@ -140,7 +140,7 @@ impl Stream {
     fn floor(&self) -> Tag {
         match (self.head(), &self.state) {
             (Some(head), _) => head,
-            (None, State::Active(upto)) => *upto,
+            (None, StreamState::Active(upto)) => *upto,
             (None, _) => Tag::END,
         }
     }
@@ -148,20 +148,20 @@ impl Stream {
 
 /// The merger: owned by the thread that runs the job.
 pub struct Merger {
-    streams: Vec<Stream>,
-    messages: Receiver<Message>,
+    streams: Vec<MergeStream>,
+    messages: Receiver<MergerMessage>,
     /// Chunks that a kernel may have on the way.
     credit: usize,
     stop: Tag,
     /// Number of the next event.
     pub next_seq: u64,
     /// How the log ended so far.
-    end: End,
+    end: MergeEnd,
 }
 
 /// Why the merger returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum MergeEnd {
     /// All streams are complete.
     Complete,
     /// The sink refused events.
@@ -171,7 +171,7 @@ pub enum End {
 impl Merger {
     /// A merger for these channels, each with `room` bytes on the way at most, a feeder for each of them, and a sender
     /// for messages about streams.
-    pub fn new(channels: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+    pub fn new(channels: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<MergerMessage>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
         let (sender, messages) = unbounded();
@@ -180,51 +180,51 @@ impl Merger {
         for channel in channels {
             let (back, returned) = bounded(CREDIT);
             let floor = Tag { t: 0, micro: 0, channel };
-            streams.push(Stream {
+            streams.push(MergeStream {
                 channel,
                 chunks: VecDeque::with_capacity(CREDIT),
-                state: State::Active(floor),
+                state: StreamState::Active(floor),
                 asleep: false,
                 advanced: 0,
                 back,
             });
             feeders.push(Feeder { channel, messages: sender.clone(), back: returned, sent: 0, credit });
         }
-        (Self { streams, messages, credit, stop: Tag::END, next_seq: 1, end: End::Complete }, feeders, sender)
+        (Self { streams, messages, credit, stop: Tag::END, next_seq: 1, end: MergeEnd::Complete }, feeders, sender)
     }
 
     /// Passes events of the only stream on. Returns `false` when the log takes nothing more.
-    pub fn pass(&mut self, events: &[Event], sink: &mut dyn Sink) -> bool {
-        if self.end == End::Complete {
+    pub fn pass(&mut self, events: &[Event], sink: &mut dyn LogSink) -> bool {
+        if self.end == MergeEnd::Complete {
             self.end = self.send(events, sink);
         }
-        self.end == End::Complete
+        self.end == MergeEnd::Complete
     }
 
     /// How the log ended.
-    pub fn end(&self) -> End {
+    pub fn end(&self) -> MergeEnd {
         self.end
     }
 
     /// Hands events that are next in the log to the sink.
-    fn send(&mut self, batch: &[Event], sink: &mut dyn Sink) -> End {
+    fn send(&mut self, batch: &[Event], sink: &mut dyn LogSink) -> MergeEnd {
         if !batch.is_empty() && !sink.events(self.next_seq, batch) {
-            return End::Refused;
+            return MergeEnd::Refused;
         }
         self.next_seq += batch.len() as u64;
-        End::Complete
+        MergeEnd::Complete
     }
 
-    /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are still drained
+    /// Receives and merges until all streams are complete. After [`MergeEnd::Refused`] the streams are still drained
     /// (kernels must end), but nothing more goes to the sink.
-    pub fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
+    pub fn run(&mut self, sink: &mut dyn LogSink, mut on_stop: impl FnMut()) {
         while let Ok(message) = self.messages.recv() {
             self.take(message);
             while let Ok(message) = self.messages.try_recv() {
                 self.take(message);
             }
             self.hand_on(sink, &mut on_stop);
-            if self.streams.iter().all(|s| matches!(s.state, State::Done) && s.chunks.is_empty()) {
+            if self.streams.iter().all(|s| matches!(s.state, StreamState::Done) && s.chunks.is_empty()) {
                 break;
             }
         }
@@ -232,7 +232,7 @@ impl Merger {
 
     /// Takes the events sent so far and passes on those that can be ordered: for kernels that run on this thread in
     /// turns.
-    pub fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
+    pub fn pump(&mut self, sink: &mut dyn LogSink, on_stop: impl FnOnce()) {
         let mut any = false;
         while let Ok(message) = self.messages.try_recv() {
             self.take(message);
@@ -244,14 +244,14 @@ impl Merger {
     }
 
     /// Passes on the events that can be ordered; once the sink has refused events, discards them.
-    fn hand_on(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
-        if self.end == End::Complete {
+    fn hand_on(&mut self, sink: &mut dyn LogSink, on_stop: impl FnOnce()) {
+        if self.end == MergeEnd::Complete {
             self.end = self.emit(sink);
-            if self.end != End::Complete {
+            if self.end != MergeEnd::Complete {
                 on_stop();
             }
         }
-        if self.end != End::Complete {
+        if self.end != MergeEnd::Complete {
             self.discard();
         }
         self.advance_chunks();
@@ -272,15 +272,15 @@ impl Merger {
         }
     }
 
-    fn stream(&mut self, channel: u16) -> Option<&mut Stream> {
+    fn stream(&mut self, channel: u16) -> Option<&mut MergeStream> {
         self.streams.iter_mut().find(|s| s.channel == channel)
     }
 
-    fn take(&mut self, message: Message) {
+    fn take(&mut self, message: MergerMessage) {
         match message {
-            Message::Chunk { channel, events, upto } => {
+            MergerMessage::Chunk { channel, events, upto } => {
                 if let Some(stream) = self.stream(channel) {
-                    stream.state = State::Active(upto);
+                    stream.state = StreamState::Active(upto);
                     if events.is_empty() {
                         recycle(stream, events);
                     } else {
@@ -288,25 +288,25 @@ impl Merger {
                     }
                 }
             }
-            Message::Asleep(channel) | Message::Awake(channel) => {
-                let asleep = matches!(message, Message::Asleep(_));
+            MergerMessage::Asleep(channel) | MergerMessage::Awake(channel) => {
+                let asleep = matches!(message, MergerMessage::Asleep(_));
                 if let Some(stream) = self.stream(channel) {
                     stream.asleep = asleep;
                 }
             }
-            Message::Advanced(channel) => {
+            MergerMessage::Advanced(channel) => {
                 if let Some(stream) = self.stream(channel) {
                     stream.advanced += 1;
                 }
             }
-            Message::Blocked(channel) => self.set(channel, State::Blocked),
-            Message::Resumed(channel, tag) => self.set(channel, State::Active(tag)),
-            Message::Done(channel) => self.set(channel, State::Done),
-            Message::StopAt(tag) => self.stop = self.stop.min(tag),
+            MergerMessage::Blocked(channel) => self.set(channel, StreamState::Blocked),
+            MergerMessage::Resumed(channel, tag) => self.set(channel, StreamState::Active(tag)),
+            MergerMessage::Done(channel) => self.set(channel, StreamState::Done),
+            MergerMessage::StopAt(tag) => self.stop = self.stop.min(tag),
         }
     }
 
-    fn set(&mut self, channel: u16, state: State) {
+    fn set(&mut self, channel: u16, state: StreamState) {
         if let Some(stream) = self.stream(channel) {
             stream.state = state;
         }
@@ -321,13 +321,13 @@ impl Merger {
     }
 
     /// Emits every event whose position in the log is final.
-    fn emit(&mut self, sink: &mut dyn Sink) -> End {
+    fn emit(&mut self, sink: &mut dyn LogSink) -> MergeEnd {
         loop {
             let Some(index) = (0..self.streams.len())
                 .filter(|&i| self.streams.get(i).is_some_and(|s| s.head().is_some()))
-                .min_by_key(|&i| self.streams.get(i).map(Stream::floor))
+                .min_by_key(|&i| self.streams.get(i).map(MergeStream::floor))
             else {
-                return End::Complete;
+                return MergeEnd::Complete;
             };
             let bound = self
                 .streams
@@ -337,7 +337,7 @@ impl Merger {
                 .map(|(_, s)| s.floor())
                 .min()
                 .unwrap_or(Tag::END);
-            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            let Some(stream) = self.streams.get_mut(index) else { return MergeEnd::Complete };
             if stream.floor() > self.stop {
                 // Everything left is after the stop.
                 for stream in &mut self.streams {
@@ -345,10 +345,10 @@ impl Merger {
                         recycle(stream, events);
                     }
                 }
-                return End::Complete;
+                return MergeEnd::Complete;
             }
             let (channel, stop) = (stream.channel, self.stop);
-            let Some((events, at)) = stream.chunks.pop_front() else { return End::Complete };
+            let Some((events, at)) = stream.chunks.pop_front() else { return MergeEnd::Complete };
             let rest = events.get(at..).unwrap_or_default();
             let run = rest
                 .iter()
@@ -358,13 +358,13 @@ impl Merger {
                 })
                 .unwrap_or(rest.len());
             let end = self.send(rest.get(..run).unwrap_or_default(), sink);
-            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            let Some(stream) = self.streams.get_mut(index) else { return MergeEnd::Complete };
             if at + run >= events.len() {
                 recycle(stream, events);
             } else {
                 stream.chunks.push_front((events, at + run));
             }
-            if end != End::Complete || run == 0 {
+            if end != MergeEnd::Complete || run == 0 {
                 return end;
             }
         }
@@ -372,7 +372,7 @@ impl Merger {
 }
 
 /// Gives a chunk back to its kernel, unless the kernel has got another one in advance.
-fn recycle(stream: &mut Stream, events: Chunk) {
+fn recycle(stream: &mut MergeStream, events: Chunk) {
     match stream.advanced.checked_sub(1) {
         Some(advanced) => stream.advanced = advanced,
         None => drop(stream.back.try_send(events)),
@@ -388,7 +388,7 @@ mod tests {
     #[derive(Default)]
     struct Seen(Vec<(u16, i64)>);
 
-    impl Sink for Seen {
+    impl LogSink for Seen {
         fn events(&mut self, _: u64, events: &[Event]) -> bool {
             self.0.extend(events.iter().map(|event| (event.channel, event.t_ns)));
             true
@@ -423,14 +423,14 @@ mod tests {
         }
         pump(&mut merger, &mut seen);
         assert!(late.try_back().is_none() && seen.0.is_empty(), "the log waits for the event that is kept back");
-        sender.send(Message::Asleep(1)).unwrap();
+        sender.send(MergerMessage::Asleep(1)).unwrap();
         for _ in 0..20 {
             pump(&mut merger, &mut seen);
             assert!(late.try_back().is_some(), "a chunk in advance");
             late.send(chunk(2, t), tag(t, 2));
             t += 1;
         }
-        sender.send(Message::Awake(1)).unwrap();
+        sender.send(MergerMessage::Awake(1)).unwrap();
         sleeper.send(chunk(1, 5), tag(100, 1));
         late.send(Chunk::default(), Tag::END);
         pump(&mut merger, &mut seen);

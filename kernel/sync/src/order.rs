@@ -1,7 +1,7 @@
 //! The order in which kernels act on shared data: the rules, without threads.
 //!
 //! A kernel asks for an operation with its tag and gets its turn when no other kernel can act before that tag any more.
-//! Operations go in, [`Effect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits
+//! Operations go in, [`OrderEffect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits
 //! or signals; that is the coordinator's business.
 //!
 //! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a
@@ -16,11 +16,11 @@ pub mod spin;
 
 use crate::channels::Channels;
 use crate::primitives::Letter;
-use crate::races::Races;
-use crate::shared::Shared;
+use crate::races::RaceDetector;
+use crate::shared::SharedState;
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Set, Waiting};
-use crate::waits::{Arrival, Released, Short, Waits};
+use crate::wait::{ChannelSet, Finish, WaitOp, WaitingChannel};
+use crate::waits::{ArrivalOutcome, JobWaits, Released, ShortfallReason};
 
 /// Bound of a kernel that is blocked at a wait.
 pub const BLOCKED: i64 = i64::MAX - 1;
@@ -29,7 +29,7 @@ pub const DONE: i64 = i64::MAX;
 
 /// Activity of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Status {
+pub enum KernelStatus {
     /// Executing blocks; it acts at its bound at the earliest.
     Running,
     /// Asks for an operation.
@@ -58,7 +58,7 @@ pub enum Wake {
         /// Every kernel that is not done took part, so none acts before the tag.
         all: bool,
         /// Why a partner of a count did not come.
-        short: Option<Short>,
+        short: Option<ShortfallReason>,
     },
     /// The control raised an alarm for this wait.
     Alarm {
@@ -72,7 +72,7 @@ pub enum Wake {
         /// Where to begin.
         tag: Tag,
         /// The programs to run.
-        program: idle::Program,
+        program: idle::StartableProgram,
     },
     /// Others did something while the kernel rested in a loop: it continues with the pass that begins at this tag.
     Roused {
@@ -89,7 +89,7 @@ pub enum Wake {
 
 /// Effect of an operation on the kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effect {
+pub enum OrderEffect {
     /// The kernel acts at this time at the earliest ([`BLOCKED`], [`DONE`]).
     Bound(u16, i64),
     /// Another kernel executed the arrival of this one, which is blocked now.
@@ -103,16 +103,16 @@ pub enum Effect {
 /// A kernel as the order knows it.
 #[derive(Debug, Clone)]
 struct Seat {
-    status: Status,
+    status: KernelStatus,
     /// It acts at this time at the earliest.
     bound: i64,
     /// Its bound when it was blocked.
     since: i64,
     /// The arrival that it asks for.
-    arriving: Option<Waiting>,
+    arriving: Option<WaitingChannel>,
     wake: Option<Wake>,
     /// The program that it runs when it is started.
-    program: Option<idle::Program>,
+    program: Option<idle::StartableProgram>,
     /// The loop that it could not leave at its last pass.
     spin: Option<spin::Spin>,
     /// It rests in that loop.
@@ -134,27 +134,27 @@ pub struct Order {
     /// Number of changes of shared data so far.
     changes: u64,
     /// Kernels that rest in a loop.
-    napping: Set,
+    napping: ChannelSet,
     /// Channels that a verdict has been given on.
-    judged: Set,
+    judged: ChannelSet,
     /// Channels that have arrived in motion and will say whether they stop.
-    moving: Set,
+    moving: ChannelSet,
     /// How the waits of such channels ended meanwhile.
     moved: Vec<(u16, Wake)>,
     /// Variables, spindles and files that the kernels share.
-    pub shared: Shared,
+    pub shared: SharedState,
     /// Waits of all kernels.
-    pub waits: Waits,
+    pub waits: JobWaits,
     /// Accesses that nothing puts in order, if the job looks for them.
-    pub races: Option<Box<Races>>,
-    effects: Vec<Effect>,
+    pub races: Option<Box<RaceDetector>>,
+    effects: Vec<OrderEffect>,
 }
 
 impl Order {
     /// The order of a run that begins.
-    pub fn new(channels: Channels, shared: Shared, waits: Waits) -> Self {
+    pub fn new(channels: Channels, shared: SharedState, waits: JobWaits) -> Self {
         let seat = || Seat {
-            status: Status::Running,
+            status: KernelStatus::Running,
             bound: 0,
             since: 0,
             arriving: None,
@@ -173,9 +173,9 @@ impl Order {
             sync_points: 0,
             now: Tag { t: 0, micro: 0, channel: 0 },
             changes: 0,
-            napping: Set::default(),
-            judged: Set::default(),
-            moving: Set::default(),
+            napping: ChannelSet::default(),
+            judged: ChannelSet::default(),
+            moving: ChannelSet::default(),
             moved: Vec::new(),
             shared,
             waits,
@@ -189,8 +189,8 @@ impl Order {
     }
 
     /// How far a kernel has come.
-    pub fn status(&self, channel: u16) -> Status {
-        self.seats.get(self.channels.index(channel)).map_or(Status::Done, |seat| seat.status)
+    pub fn status(&self, channel: u16) -> KernelStatus {
+        self.seats.get(self.channels.index(channel)).map_or(KernelStatus::Done, |seat| seat.status)
     }
 
     /// The last tag of the job, once it has been stopped.
@@ -199,12 +199,12 @@ impl Order {
     }
 
     /// The changes since the last call; return the list to [`recycle`](Self::recycle).
-    pub fn effects(&mut self) -> Vec<Effect> {
+    pub fn effects(&mut self) -> Vec<OrderEffect> {
         std::mem::take(&mut self.effects)
     }
 
     /// Keeps the memory of a list of effects.
-    pub fn recycle(&mut self, effects: Vec<Effect>) {
+    pub fn recycle(&mut self, effects: Vec<OrderEffect>) {
         if self.effects.is_empty() {
             self.effects = effects;
         }
@@ -213,25 +213,25 @@ impl Order {
     /// A running kernel has come so far.
     pub fn hear(&mut self, bounds: impl Iterator<Item = i64>) {
         for (seat, bound) in self.seats.iter_mut().zip(bounds) {
-            if seat.status == Status::Running {
+            if seat.status == KernelStatus::Running {
                 seat.bound = bound;
             }
         }
     }
 
     /// A running kernel asks for an operation at this tag, or arrives at a wait. Its next [`Wake`] is the answer.
-    pub fn request(&mut self, tag: Tag, arriving: Option<Waiting>) {
+    pub fn request(&mut self, tag: Tag, arriving: Option<WaitingChannel>) {
         let refused = self.stop.is_some_and(|stop| stop < tag);
         let Some(seat) = self.seat(tag.channel) else { return };
         if refused {
             seat.wake = Some(Wake::Stopped);
             return;
         }
-        seat.status = Status::Parked(tag);
+        seat.status = KernelStatus::Parked(tag);
         seat.bound = seat.bound.max(tag.t);
         seat.arriving = arriving;
         let bound = seat.bound;
-        self.effects.push(Effect::Bound(tag.channel, bound));
+        self.effects.push(OrderEffect::Bound(tag.channel, bound));
     }
 
     /// Whether nothing has been decided that is not executed yet.
@@ -242,14 +242,14 @@ impl Order {
     /// A running kernel does nothing before this tag until it is [`back`](Self::back).
     pub fn away(&mut self, tag: Tag) {
         if let Some(seat) = self.seat(tag.channel) {
-            seat.status = Status::Away(tag);
+            seat.status = KernelStatus::Away(tag);
         }
     }
 
     /// It continues where it was.
     pub fn back(&mut self, channel: u16) {
-        if let Some(seat) = self.seat(channel).filter(|seat| matches!(seat.status, Status::Away(_))) {
-            seat.status = Status::Running;
+        if let Some(seat) = self.seat(channel).filter(|seat| matches!(seat.status, KernelStatus::Away(_))) {
+            seat.status = KernelStatus::Running;
         }
     }
 
@@ -262,7 +262,7 @@ impl Order {
     /// its turn yet because running kernels may still act before it.
     pub fn settle(&mut self) -> Option<Tag> {
         while self.acting.is_none() {
-            let parked = |seat: &Seat| if let Status::Parked(tag) = seat.status { Some(tag) } else { None };
+            let parked = |seat: &Seat| if let KernelStatus::Parked(tag) = seat.status { Some(tag) } else { None };
             let Some(tag) = self.seats.iter().filter_map(parked).min() else {
                 self.end_hopeless();
                 return None;
@@ -274,7 +274,7 @@ impl Order {
             let seat = self.seats.get_mut(self.channels.index(tag.channel))?;
             let arriving = seat.arriving.take();
             if !arriving.is_some_and(|waiting| self.arrive_for(waiting)) {
-                self.seat(tag.channel)?.status = Status::Running;
+                self.seat(tag.channel)?.status = KernelStatus::Running;
                 self.acting = Some(tag.channel);
                 self.wake(tag.channel, Wake::Turn);
             }
@@ -287,9 +287,9 @@ impl Order {
         self.seats.iter().zip(self.channels.numbers()).all(|(seat, channel)| {
             *channel == tag.channel
                 || match seat.status {
-                    Status::Running => seat.bound > tag.t,
-                    Status::Parked(other) | Status::Away(other) => other > tag,
-                    Status::Blocked | Status::Done => true,
+                    KernelStatus::Running => seat.bound > tag.t,
+                    KernelStatus::Parked(other) | KernelStatus::Away(other) => other > tag,
+                    KernelStatus::Blocked | KernelStatus::Done => true,
                 }
         })
     }
@@ -297,14 +297,15 @@ impl Order {
     /// Running kernels that may still act before this tag, by index.
     pub fn earlier(&self, tag: Tag) -> impl Iterator<Item = usize> {
         let seats = self.seats.iter().zip(self.channels.numbers()).enumerate();
-        let earlier = move |seat: &Seat| seat.status == Status::Running && seat.bound <= tag.t;
+        let earlier = move |seat: &Seat| seat.status == KernelStatus::Running && seat.bound <= tag.t;
         seats.filter(move |(_, (seat, channel))| **channel != tag.channel && earlier(seat)).map(|(index, _)| index)
     }
 
     /// Whether the kernel executes blocks, has no turn, and no answer waits for it.
     pub fn is_free(&self, channel: u16) -> bool {
         let seat = self.seats.get(self.channels.index(channel));
-        self.acting != Some(channel) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
+        self.acting != Some(channel)
+            && seat.is_some_and(|seat| seat.status == KernelStatus::Running && seat.wake.is_none())
     }
 
     /// The kernel gives its turn back.
@@ -316,24 +317,24 @@ impl Order {
 
     /// The kernel waits until another one resumes it.
     pub fn block(&mut self, channel: u16) {
-        self.rest(channel, Status::Blocked, BLOCKED);
+        self.rest(channel, KernelStatus::Blocked, BLOCKED);
         self.rouse();
     }
 
     /// The kernel is finished.
     pub fn done(&mut self, channel: u16) {
         self.leave(channel);
-        self.rest(channel, Status::Done, DONE);
+        self.rest(channel, KernelStatus::Done, DONE);
         self.rouse();
     }
 
-    fn rest(&mut self, channel: u16, status: Status, bound: i64) {
+    fn rest(&mut self, channel: u16, status: KernelStatus, bound: i64) {
         if let Some(seat) = self.seat(channel) {
             if seat.bound < BLOCKED {
                 seat.since = seat.bound;
             }
             (seat.status, seat.bound) = (status, bound);
-            self.effects.push(Effect::Bound(channel, bound));
+            self.effects.push(OrderEffect::Bound(channel, bound));
         }
     }
 
@@ -350,11 +351,11 @@ impl Order {
                 | Wake::Started { tag, .. }
                 | Wake::Roused { tag, .. } => tag.t,
                 // Its actions at its end have their place in the order too.
-                Wake::Turn | Wake::Over | Wake::Stopped if seat.status == Status::Blocked => seat.since,
+                Wake::Turn | Wake::Over | Wake::Stopped if seat.status == KernelStatus::Blocked => seat.since,
                 Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
             };
-            (seat.status, seat.bound) = (Status::Running, t);
-            self.effects.push(Effect::Bound(channel, t));
+            (seat.status, seat.bound) = (KernelStatus::Running, t);
+            self.effects.push(OrderEffect::Bound(channel, t));
             self.wake(channel, wake);
         }
     }
@@ -369,7 +370,7 @@ impl Order {
         };
         if let Some(seat) = self.seat(channel) {
             seat.wake = Some(wake);
-            self.effects.push(Effect::Woken(channel, tag));
+            self.effects.push(OrderEffect::Woken(channel, tag));
         }
     }
 
@@ -379,16 +380,16 @@ impl Order {
             return;
         }
         self.stop = Some(tag);
-        self.effects.push(Effect::Stop(tag));
-        self.napping = Set::default();
+        self.effects.push(OrderEffect::Stop(tag));
+        self.napping = ChannelSet::default();
         for index in 0..self.seats.len() {
             let (Some(seat), Some(&channel)) = (self.seats.get_mut(index), self.channels.numbers().get(index)) else {
                 break;
             };
             let after = match seat.status {
-                Status::Parked(other) => other > tag,
-                Status::Blocked => true,
-                Status::Running | Status::Away(_) | Status::Done => false,
+                KernelStatus::Parked(other) => other > tag,
+                KernelStatus::Blocked => true,
+                KernelStatus::Running | KernelStatus::Away(_) | KernelStatus::Done => false,
             };
             if after {
                 seat.arriving = None;
@@ -406,7 +407,7 @@ impl Order {
             races.release(channels, by);
         }
         self.sync_points += 1;
-        let part = |(seat, channel): (&Seat, &u16)| seat.status == Status::Done || channels.has(*channel);
+        let part = |(seat, channel): (&Seat, &u16)| seat.status == KernelStatus::Done || channels.has(*channel);
         let all = self.seats.iter().zip(self.channels.numbers()).all(part);
         let sync_point = self.sync_points;
         for channel in channels.iter().filter(|&channel| Some(channel) != but) {
@@ -425,7 +426,7 @@ impl Order {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
+    pub fn act(&mut self, tag: Tag, act: WaitOp) -> Result<(), String> {
         self.act_with(tag, act, None)
     }
 
@@ -433,7 +434,7 @@ impl Order {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<(), String> {
+    pub fn act_with(&mut self, tag: Tag, act: WaitOp, letter: Option<Letter>) -> Result<(), String> {
         let released = self.waits.act_with(tag, act, letter)?;
         if let Some(races) = &mut self.races {
             races.act(tag.channel, act);
@@ -453,7 +454,7 @@ impl Order {
     }
 
     /// Ends the wait at once if no channel is missing, without a release.
-    pub fn pass(&mut self, waiting: &Waiting) -> bool {
+    pub fn pass(&mut self, waiting: &WaitingChannel) -> bool {
         let passes = self.waits.pass(waiting);
         if let Some(races) = self.races.as_mut().filter(|_| passes) {
             races.pass(waiting.tag.channel, &waiting.wait);
@@ -462,7 +463,7 @@ impl Order {
     }
 
     /// Executes a plain arrival in place of its kernel; `false`: the arrival is not plain.
-    fn arrive_for(&mut self, waiting: Waiting) -> bool {
+    fn arrive_for(&mut self, waiting: WaitingChannel) -> bool {
         let Some(arrived) = self.waits.arrive_plainly(waiting) else { return false };
         let channel = waiting.tag.channel;
         if let Some(races) = &mut self.races {
@@ -470,11 +471,11 @@ impl Order {
         }
         self.block(channel);
         match arrived.arrival {
-            Arrival::Released(released) => {
+            ArrivalOutcome::Released(released) => {
                 self.release(released, None);
             }
-            Arrival::Blocked | Arrival::Mismatch { .. } | Arrival::Illegal { .. } => {
-                self.effects.push(Effect::Blocked(channel));
+            ArrivalOutcome::Blocked | ArrivalOutcome::Mismatch { .. } | ArrivalOutcome::Illegal { .. } => {
+                self.effects.push(OrderEffect::Blocked(channel));
             }
         }
         self.release_all(arrived.others);
@@ -483,11 +484,11 @@ impl Order {
 
     /// Ends all waits when nothing can happen any more.
     fn end_hopeless(&mut self) {
-        if !self.seats.iter().all(|seat| matches!(seat.status, Status::Blocked | Status::Done)) {
+        if !self.seats.iter().all(|seat| matches!(seat.status, KernelStatus::Blocked | KernelStatus::Done)) {
             return;
         }
         for index in 0..self.seats.len() {
-            let blocked = self.seats.get(index).is_some_and(|seat| seat.status == Status::Blocked);
+            let blocked = self.seats.get(index).is_some_and(|seat| seat.status == KernelStatus::Blocked);
             if let Some(&channel) = self.channels.numbers().get(index).filter(|_| blocked) {
                 self.resume(channel, Wake::Over);
             }

@@ -13,10 +13,10 @@ mod lease;
 mod order;
 mod signal;
 
-use crate::wait::{Act, Key, Missing, Places, Rules, Set, Wait, Waiting};
+use crate::wait::{ChannelPlaces, ChannelSet, MissingChannels, Wait, WaitMark, WaitOp, WaitRules, WaitingChannel};
 
 use counterpoint_event::event::Primitive;
-pub use lease::Moved;
+pub use lease::LastAxisMove;
 pub use signal::Letter;
 
 /// Most marks that are set, signals that are kept or leases that are held at one time.
@@ -25,8 +25,8 @@ const MOST: usize = 10_000;
 /// View that a primitive has of the channels.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
-    places: &'a Places,
-    rules: &'a Rules,
+    places: &'a ChannelPlaces,
+    rules: &'a WaitRules,
 }
 
 impl Scene<'_> {
@@ -38,16 +38,16 @@ impl Scene<'_> {
 
 /// The memory of the primitives between arrivals.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Memory {
-    flags: flag::Flags,
-    reached: order::Reached,
-    signals: signal::Signals,
+pub(crate) struct PrimitiveState {
+    flags: flag::FlagTable,
+    reached: order::ReachedNumbers,
+    signals: signal::PendingSignals,
     leases: lease::Leases,
 }
 
-impl Memory {
+impl PrimitiveState {
     /// Why a channel cannot arrive here, regardless of the others.
-    pub(crate) fn illegal(&self, waiting: &Waiting) -> Option<String> {
+    pub(crate) fn illegal(&self, waiting: &WaitingChannel) -> Option<String> {
         let channel = waiting.tag.channel;
         match waiting.wait.primitive {
             Primitive::Flag => self.flags.illegal(waiting.wait.key),
@@ -58,7 +58,7 @@ impl Memory {
     }
 
     /// A channel arrives; true if that may end the waits of others, too, which wait for something else.
-    pub(crate) fn arrive(&mut self, waiting: &Waiting) -> bool {
+    pub(crate) fn arrive(&mut self, waiting: &WaitingChannel) -> bool {
         let (channel, wait) = (waiting.tag.channel, &waiting.wait);
         match wait.primitive {
             Primitive::Flag => self.flags.set(channel, wait.key),
@@ -72,7 +72,13 @@ impl Memory {
 
     /// Channels that are missing for a channel at this wait, which need not be at it yet.
     #[inline]
-    pub(crate) fn missing(&self, channel: u16, wait: &Wait, places: &Places, rules: &Rules) -> Missing {
+    pub(crate) fn missing(
+        &self,
+        channel: u16,
+        wait: &Wait,
+        places: &ChannelPlaces,
+        rules: &WaitRules,
+    ) -> MissingChannels {
         let scene = Scene { places, rules };
         match wait.primitive {
             Primitive::Barrier => barrier::missing(channel, wait, scene),
@@ -88,18 +94,18 @@ impl Memory {
     }
 
     /// The channels that continue when the wait of one of them is over.
-    pub(crate) fn together(&self, channel: u16, wait: &Wait, places: &Places) -> Set {
+    pub(crate) fn together(&self, channel: u16, wait: &Wait, places: &ChannelPlaces) -> ChannelSet {
         match wait.primitive {
             Primitive::Barrier => barrier::together(wait, places),
             Primitive::Count => count::together(wait, places),
             Primitive::Flag | Primitive::Order | Primitive::Signal | Primitive::Join | Primitive::Lease => {
-                Set::default().with(channel)
+                ChannelSet::default().with(channel)
             }
         }
     }
 
     /// Lets a channel continue and use up its resources.
-    pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &Rules) {
+    pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &WaitRules) {
         match wait.primitive {
             Primitive::Flag => self.flags.clear(channel, wait.key),
             Primitive::Signal => self.signals.depart(channel, wait, rules.is_to_itself(wait)),
@@ -118,7 +124,7 @@ impl Memory {
     }
 
     /// The number of a signal that a sender of this wait sent before, if the control minds.
-    pub(crate) fn older_signal(&self, channel: u16, wait: &Wait, rules: &Rules) -> Option<u32> {
+    pub(crate) fn older_signal(&self, channel: u16, wait: &Wait, rules: &WaitRules) -> Option<u32> {
         let minds = rules.of(wait).is_some_and(|rule| rule.signals.in_order);
         if minds && wait.primitive == Primitive::Signal { self.signals.older(channel, wait) } else { None }
     }
@@ -135,32 +141,32 @@ impl Memory {
     pub(crate) fn act(
         &mut self,
         channel: u16,
-        (act, letter): (Act, Option<Letter>),
-        rules: &Rules,
+        (act, letter): (WaitOp, Option<Letter>),
+        rules: &WaitRules,
     ) -> Result<(), String> {
         match act {
-            Act::Set(key) => {
+            WaitOp::Set(key) => {
                 if let Some(reason) = self.flags.illegal(key) {
                     return Err(reason);
                 }
                 self.flags.set(channel, key);
                 Ok(())
             }
-            Act::Clear(key) => {
+            WaitOp::Clear(key) => {
                 self.flags.clear(channel, key);
                 Ok(())
             }
-            Act::Signal(send) => self.signals.send(channel, send, letter, rules.most_signals()),
-            Act::Remove { range, to } => {
+            WaitOp::Signal(send) => self.signals.send(channel, send, letter, rules.most_signals()),
+            WaitOp::Remove { range, to } => {
                 self.signals.remove(range, to);
                 Ok(())
             }
-            Act::Release(key) => self.leases.release(channel, key),
-            Act::Take(key) => {
+            WaitOp::Release(key) => self.leases.release(channel, key),
+            WaitOp::Take(key) => {
                 self.leases.take(channel, key);
                 Ok(())
             }
-            Act::Give { key, to } => self.leases.give(channel, key, to),
+            WaitOp::Give { key, to } => self.leases.give(channel, key, to),
         }
     }
 
@@ -168,12 +174,12 @@ impl Memory {
     ///
     /// # Errors
     /// Another channel holds it, or no channel does.
-    pub(crate) fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
+    pub(crate) fn moves(&mut self, channel: u16, key: WaitMark, moved: LastAxisMove) -> Result<(), Option<u16>> {
         self.leases.moves(channel, key, moved)
     }
 
     /// The holder of a resource, and the last move of it.
-    pub(crate) fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
+    pub(crate) fn lease(&self, key: WaitMark) -> (Option<u16>, Option<LastAxisMove>) {
         self.leases.state(key)
     }
 }

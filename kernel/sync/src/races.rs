@@ -13,7 +13,7 @@ mod tests;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::channels::Channels;
-use crate::wait::{Act, Key, Send, Set, Wait};
+use crate::wait::{ChannelSet, Send, Wait, WaitMark, WaitOp};
 use counterpoint_event::event::{FileId, Primitive};
 
 /// Most pairs of lines that are reported, and most variables that are followed.
@@ -21,7 +21,7 @@ const MOST: usize = 10_000;
 
 /// A variable that channels share.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Variable {
+pub enum RaceVariable {
     /// A numbered common variable.
     Common(u32),
     /// A variable with a name.
@@ -32,7 +32,7 @@ pub enum Variable {
 
 /// How a variable is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mode {
+pub enum AccessMode {
     /// It is read.
     Read,
     /// It is read by a loop that waits for its value.
@@ -43,7 +43,7 @@ pub enum Mode {
 
 /// An access: by whom, in which block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Access {
+pub struct AccessSite {
     /// Channel.
     pub channel: u16,
     /// File of the block.
@@ -56,7 +56,7 @@ pub struct Access {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Race {
     /// Who it was, and where.
-    pub earlier: Access,
+    pub earlier: AccessSite,
     /// It was a write.
     pub wrote: bool,
 }
@@ -65,7 +65,7 @@ pub struct Race {
 type Clock = Box<[u32]>;
 
 /// The last access of a channel, and its clock at that time.
-type Last = Option<(Access, u32)>;
+type Last = Option<(AccessSite, u32)>;
 
 /// Data of a variable.
 #[derive(Debug, Clone)]
@@ -78,23 +78,23 @@ struct History {
 
 /// The races of a job.
 #[derive(Debug, Clone)]
-pub struct Races {
+pub struct RaceDetector {
     channels: Channels,
     clocks: Vec<Clock>,
     /// By channel, primitive (its number) and mark: its clock when it last did something there for others.
-    published: BTreeMap<(u16, u8, Key), Clock>,
+    published: BTreeMap<(u16, u8, WaitMark), Clock>,
     /// By channel: the wait at which it arrived last.
     waits: Vec<Option<Wait>>,
-    histories: BTreeMap<Variable, History>,
+    histories: BTreeMap<RaceVariable, History>,
     /// Pairs of lines that have been reported.
-    reported: BTreeSet<(Variable, Access, Access)>,
+    reported: BTreeSet<(RaceVariable, AccessSite, AccessSite)>,
 }
 
 /// The mark under which arrivals at a wait are published. A channel at a barrier has done nothing since; of the other
 /// primitives each mark counts for itself.
-fn place(primitive: Primitive, key: Key) -> Key {
+fn place(primitive: Primitive, key: WaitMark) -> WaitMark {
     match primitive {
-        Primitive::Barrier | Primitive::Count | Primitive::Join => Key { space: 0, number: 0 },
+        Primitive::Barrier | Primitive::Count | Primitive::Join => WaitMark { space: 0, number: 0 },
         Primitive::Flag | Primitive::Order | Primitive::Signal | Primitive::Lease => key,
     }
 }
@@ -106,7 +106,7 @@ fn join(clock: &mut Clock, other: &Clock) {
     }
 }
 
-impl Races {
+impl RaceDetector {
     /// No variable has been reached yet.
     pub fn new(channels: Channels) -> Self {
         let count = channels.count();
@@ -136,7 +136,7 @@ impl Races {
         Some(published)
     }
 
-    fn publish_at(&mut self, channel: u16, primitive: Primitive, key: Key) {
+    fn publish_at(&mut self, channel: u16, primitive: Primitive, key: WaitMark) {
         if let Some(clock) = self.publish(channel) {
             self.published.insert((channel, primitive.number(), place(primitive, key)), clock);
         }
@@ -156,28 +156,28 @@ impl Races {
     }
 
     /// A channel does something for others.
-    pub(crate) fn act(&mut self, channel: u16, act: Act) {
+    pub(crate) fn act(&mut self, channel: u16, act: WaitOp) {
         if self.is_idle() {
             return;
         }
         match act {
-            Act::Set(key) => self.publish_at(channel, Primitive::Flag, key),
-            Act::Signal(Send { key, .. }) => self.publish_at(channel, Primitive::Signal, key),
-            Act::Release(key) => self.publish_at(channel, Primitive::Lease, key),
-            Act::Give { key, .. } => self.publish_at(channel, Primitive::Lease, key),
-            Act::Clear(_) | Act::Remove { .. } | Act::Take(_) => {}
+            WaitOp::Set(key) => self.publish_at(channel, Primitive::Flag, key),
+            WaitOp::Signal(Send { key, .. }) => self.publish_at(channel, Primitive::Signal, key),
+            WaitOp::Release(key) => self.publish_at(channel, Primitive::Lease, key),
+            WaitOp::Give { key, .. } => self.publish_at(channel, Primitive::Lease, key),
+            WaitOp::Clear(_) | WaitOp::Remove { .. } | WaitOp::Take(_) => {}
         }
     }
 
     /// The program of a channel ends.
     pub(crate) fn finish(&mut self, channel: u16) {
         if !self.is_idle() {
-            self.publish_at(channel, Primitive::Join, Key { space: 0, number: 0 });
+            self.publish_at(channel, Primitive::Join, WaitMark { space: 0, number: 0 });
         }
     }
 
     /// Records that the waits of these channels are over, by an act of another channel.
-    pub(crate) fn release(&mut self, channels: Set, by: u16) {
+    pub(crate) fn release(&mut self, channels: ChannelSet, by: u16) {
         if self.is_idle() {
             return;
         }
@@ -198,7 +198,7 @@ impl Races {
     }
 
     /// One channel starts others.
-    pub(crate) fn start(&mut self, channels: Set, by: u16) {
+    pub(crate) fn start(&mut self, channels: ChannelSet, by: u16) {
         if self.is_idle() {
             return;
         }
@@ -224,7 +224,7 @@ impl Races {
             let published = match wait.primitive {
                 // The first number that was large enough.
                 Primitive::Order => {
-                    let last = Key { number: u32::MAX, ..key };
+                    let last = WaitMark { number: u32::MAX, ..key };
                     let range = (partner, primitive, key)..=(partner, primitive, last);
                     self.published.range(range).next().map(|(_, clock)| clock)
                 }
@@ -235,7 +235,7 @@ impl Races {
     }
 
     /// A channel reaches a variable: the races with earlier accesses that have not been reported yet.
-    pub fn access(&mut self, variable: &Variable, access: Access, mode: Mode) -> Vec<Race> {
+    pub fn access(&mut self, variable: &RaceVariable, access: AccessSite, mode: AccessMode) -> Vec<Race> {
         let (index, count) = (self.channels.index(access.channel), self.channels.count());
         if index >= count || self.histories.len() >= MOST && !self.histories.contains_key(variable) {
             return Vec::new();
@@ -244,12 +244,12 @@ impl Races {
         if !self.histories.contains_key(variable) {
             self.histories.insert(variable.clone(), fresh());
         }
-        let published = if mode == Mode::Write { self.publish(access.channel) } else { None };
+        let published = if mode == AccessMode::Write { self.publish(access.channel) } else { None };
         let Self { channels, clocks, histories, reported, .. } = self;
         let (Some(clock), Some(history)) = (clocks.get_mut(index), histories.get_mut(variable)) else {
             return Vec::new();
         };
-        if mode == Mode::Poll {
+        if mode == AccessMode::Poll {
             history.written.iter().for_each(|written| join(clock, written));
             // The earlier read at this place was the first look of the poll.
             if let Some(last) = history.reads.get_mut(index) {
@@ -260,7 +260,7 @@ impl Races {
         let before = |last: &Last| last.filter(|(earlier, at)| clock.get(channels.index(earlier.channel)) < Some(at));
         let mut races: Vec<Race> =
             history.writes.iter().filter_map(before).map(|(earlier, _)| Race { earlier, wrote: true }).collect();
-        if mode == Mode::Write {
+        if mode == AccessMode::Write {
             races.extend(history.reads.iter().filter_map(before).map(|(earlier, _)| Race { earlier, wrote: false }));
         }
         races.retain(|race| race.earlier.channel != access.channel);
@@ -268,7 +268,7 @@ impl Races {
             let pair = (variable.clone(), race.earlier.min(access), race.earlier.max(access));
             reported.len() < MOST && reported.insert(pair)
         });
-        let own = if mode == Mode::Write { &mut history.writes } else { &mut history.reads };
+        let own = if mode == AccessMode::Write { &mut history.writes } else { &mut history.reads };
         // The clock that was published, if this is a write.
         let at = published.as_ref().unwrap_or(clock).get(index).copied().unwrap_or(0);
         if let Some(last) = own.get_mut(index) {

@@ -14,14 +14,14 @@ const MOST: usize = 1_000;
 
 /// The separate variables that a channel has used, by number, each with its first place.
 #[derive(Debug, Clone, Default)]
-pub struct Uses {
+pub struct SeparateVariableUses {
     /// Read while they had no value.
     vacant: BTreeMap<u32, Place>,
     /// Written.
     written: BTreeMap<u32, Place>,
 }
 
-impl Uses {
+impl SeparateVariableUses {
     /// Whether nothing has been used.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -57,12 +57,12 @@ pub struct InVain {
 /// The uses of channels that have ended.
 #[derive(Debug, Clone, Default)]
 pub struct Separate {
-    ended: Vec<(u16, Uses)>,
+    ended: Vec<(u16, SeparateVariableUses)>,
 }
 
 impl Separate {
     /// Compares the uses of a channel that ends with those of the channels before it, and keeps them.
-    pub fn end(&mut self, channel: u16, uses: Uses) -> Vec<InVain> {
+    pub fn end(&mut self, channel: u16, uses: SeparateVariableUses) -> Vec<InVain> {
         let mut found: Vec<InVain> = Vec::new();
         for (other, theirs) in &self.ended {
             in_vain(&mut found, (channel, &uses), (*other, theirs));
@@ -73,7 +73,11 @@ impl Separate {
     }
 }
 
-fn in_vain(found: &mut Vec<InVain>, (reader, reads): (u16, &Uses), (writer, writes): (u16, &Uses)) {
+fn in_vain(
+    found: &mut Vec<InVain>,
+    (reader, reads): (u16, &SeparateVariableUses),
+    (writer, writes): (u16, &SeparateVariableUses),
+) {
     for (&index, &read) in reads.vacant.iter().filter(|(index, _)| !reads.written.contains_key(index)) {
         let known = found.iter().any(|one| one.index == index && one.reader.0 == reader);
         if let Some(&written) = writes.written.get(&index).filter(|_| !known && reader != writer) {
@@ -88,11 +92,11 @@ mod tests {
 
     #[test]
     fn a_variable_that_only_another_channel_writes_is_found_whoever_ends_first() {
-        let mut writer = Uses::default();
+        let mut writer = SeparateVariableUses::default();
         writer.write(500, (0, 3));
         writer.write(500, (0, 9));
         writer.write(501, (0, 4));
-        let mut reader = Uses::default();
+        let mut reader = SeparateVariableUses::default();
         reader.read_in_vain(500, (1, 2));
         // A value that a channel itself writes, at any time, is its own.
         reader.read_in_vain(501, (1, 5));

@@ -2,36 +2,36 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::files::Written;
+use crate::files::SharedFiles;
 use crate::hoard::{Hoard, weight};
 use crate::separate::Separate;
-use crate::wait::Set;
-use counterpoint_event::event::Direction;
-use counterpoint_lang::value::Value;
+use crate::wait::ChannelSet;
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_motion::driven_speed::DrivenSpeed;
-use counterpoint_motion::surface_speed::Speed;
+use counterpoint_motion::surface_speed::SurfaceSpeed;
 
 /// Shared state; touched only inside shared operations.
 #[derive(Debug, Clone, Default)]
-pub struct Shared {
+pub struct SharedState {
     /// Common variables that have a value.
     pub variables: FxHashMap<u32, f64>,
     /// Variables with names that the pre-processors of all channels reach, those that have a value.
-    pub named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
+    pub named: FxHashMap<Box<str>, counterpoint_lang::value::MacroValue>,
     /// Global variables of macros, by index.
-    pub globals: Vec<counterpoint_lang::value::Value>,
+    pub globals: Vec<counterpoint_lang::value::MacroValue>,
     /// Memory of both.
     pub hoard: Hoard,
     /// Files that macros have written.
-    pub files: Written,
+    pub files: SharedFiles,
     /// Spindles by index of the machine's list.
-    pub spindles: Vec<Spindle>,
+    pub spindles: Vec<SharedSpindle>,
     /// Variables that each channel has of its own, as far as channels have ended.
     pub separate: Separate,
     /// Data that channels with coupled axes exchange when they meet.
-    pub coupled: FxHashMap<Coupled, Stand>,
+    pub coupled: FxHashMap<Coupled, CoupledPosition>,
     /// Couplings that one channel has commanded alone, oldest first.
-    pub alone: Vec<Alone>,
+    pub alone: Vec<OneSidedCoupling>,
     /// Values of the part that may be in another unit were reported.
     pub part_data_reported: bool,
 }
@@ -49,7 +49,7 @@ pub struct Coupled {
 
 /// A coupling that only one channel commands: the other channel learns of it at their next barrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Alone {
+pub struct OneSidedCoupling {
     /// Channel that commands it.
     pub by: u16,
     /// Number of the master axis.
@@ -61,12 +61,12 @@ pub struct Alone {
     /// It begins, or it ends.
     pub on: bool,
     /// Where the axis of that channel stood before.
-    pub stand: Stand,
+    pub stand: CoupledPosition,
 }
 
 /// Position of an axis, and the moves that its channel has commanded since the axes were coupled; geometry units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Stand {
+pub struct CoupledPosition {
     /// Place in the machine frame.
     pub place: f64,
     /// Distance commanded.
@@ -75,9 +75,9 @@ pub struct Stand {
 
 /// Commanded state of a spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Command {
+pub struct SpindleCommand {
     /// Direction of rotation.
-    pub direction: Direction,
+    pub direction: SpindleDirection,
     /// Constant surface speed is on.
     pub css: bool,
     /// rev/min.
@@ -96,7 +96,7 @@ pub struct Command {
     pub angle: f64,
 }
 
-impl Command {
+impl SpindleCommand {
     /// Smallest and largest speed of a spindle with this range, rev/min.
     #[must_use]
     pub fn bounds(&self, [min, max]: [f64; 2]) -> [f64; 2] {
@@ -105,10 +105,10 @@ impl Command {
     }
 }
 
-impl Default for Command {
+impl Default for SpindleCommand {
     fn default() -> Self {
         Self {
-            direction: Direction::Off,
+            direction: SpindleDirection::Off,
             css: false,
             rpm: 0.0,
             surface: 0.0,
@@ -123,14 +123,14 @@ impl Default for Command {
 
 /// A move that drives a spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
+pub struct DrivingMove {
     /// Its start and its end, ns.
     pub time: [i64; 2],
     /// Speed of the spindle during the move.
     pub driven: DrivenSpeed,
 }
 
-impl Course {
+impl DrivingMove {
     /// Minutes from its start to a time.
     pub fn elapsed(&self, t: i64) -> f64 {
         (t - self.time[0]) as f64 / 60e9
@@ -173,28 +173,28 @@ impl SpeedChanges {
 
 /// A spindle with its last writer.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Spindle {
+pub struct SharedSpindle {
     /// The last command.
-    pub command: Command,
+    pub command: SpindleCommand,
     /// Speed now, rev/min: under constant surface speed by the X of the channel that commands it.
     pub now: f64,
     /// The last move that drove the spindle; `now` is the speed at its end.
-    pub course: Option<Course>,
+    pub course: Option<DrivingMove>,
     /// Changes of its speed.
     pub changes: SpeedChanges,
     /// Channel that wrote last and not yet met the others since; 0 = none.
     pub writer: u16,
     /// Channels that have met the writer since its write.
-    pub ordered: Set,
+    pub ordered: ChannelSet,
 }
 
-impl Spindle {
+impl SharedSpindle {
     /// Changes the command, at a time and by a channel. If that changes the speed, the spindle then keeps the speed `was`
     /// until its driver moves. `range`: smallest and largest speed of the spindle itself, rev/min. Returns whether that
     /// changes anything.
     pub fn change(
         &mut self,
-        change: impl Fn(&mut Command),
+        change: impl Fn(&mut SpindleCommand),
         (was, range): (f64, [f64; 2]),
         (t, channel): (i64, u16),
     ) -> bool {
@@ -214,9 +214,9 @@ impl Spindle {
     }
 
     /// Whether a change of the limits from those of the old command leaves the speed as it is.
-    fn keeps_speed(&self, old: &Command, was: f64, range: [f64; 2], t: i64) -> bool {
+    fn keeps_speed(&self, old: &SpindleCommand, was: f64, range: [f64; 2], t: i64) -> bool {
         let new = &self.command;
-        if (Command { limit: new.limit, least: new.least, ..*old }) != *new {
+        if (SpindleCommand { limit: new.limit, least: new.least, ..*old }) != *new {
             return false;
         }
         let [before, after] = [old, new].map(|command| command.bounds(range));
@@ -225,9 +225,9 @@ impl Spindle {
             return clamp(before, new.rpm) == clamp(after, new.rpm);
         }
         match self.course.filter(|course| t < course.time[1]) {
-            Some(Course { driven: DrivenSpeed { speed, radii: [from, to], .. }, .. }) => {
+            Some(DrivingMove { driven: DrivenSpeed { speed, radii: [from, to], .. }, .. }) => {
                 let nearest = if from * to <= 0.0 { 0.0 } else { from };
-                let rpm = |[min, max]: [f64; 2], radius| Speed { min, max, ..speed }.rpm(radius);
+                let rpm = |[min, max]: [f64; 2], radius| SurfaceSpeed { min, max, ..speed }.rpm(radius);
                 [from, to, nearest].iter().all(|radius| rpm(before, *radius) == rpm(after, *radius))
             }
             // At a limit the speed without it is not known.
@@ -240,22 +240,22 @@ impl Spindle {
     }
 }
 
-impl Shared {
+impl SharedState {
     /// A sync point orders all earlier commands of its participants before all later ones.
-    pub fn met(&mut self, channels: Set) {
+    pub fn met(&mut self, channels: ChannelSet) {
         for spindle in &mut self.spindles {
             if channels.has(spindle.writer) {
-                spindle.ordered = Set(spindle.ordered.0 | channels.0);
+                spindle.ordered = ChannelSet(spindle.ordered.0 | channels.0);
             }
         }
     }
 }
 
-impl Shared {
+impl SharedState {
     /// A global variable that all kernels share.
-    pub fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
+    pub fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut MacroValue)) {
         if self.globals.len() <= index {
-            self.globals.resize(index + 1, Value::Unset);
+            self.globals.resize(index + 1, MacroValue::Unset);
         }
         if let Some(value) = self.globals.get_mut(index) {
             access(value);

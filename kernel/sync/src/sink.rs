@@ -9,7 +9,7 @@ use counterpoint_results::builder::ResultsBuilder;
 pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
 /// Receives the log of a job.
-pub trait Sink: Send {
+pub trait LogSink: Send {
     /// The results that the kernels make, each those of its own channel on its own thread; `None`: no results are
     /// requested.
     fn results(&mut self) -> Option<&mut ResultsBuilder> {

@@ -5,7 +5,7 @@
 use crate::backlog::Backlog;
 use crate::coordinator::switch::Port;
 use crate::merge::{CHUNK, Feeder, Merger};
-use crate::sink::Sink;
+use crate::sink::LogSink;
 use crate::tag::Tag;
 use counterpoint_event::event::Event;
 
@@ -15,7 +15,7 @@ pub const NEAR_CHUNK: usize = 64;
 const SHORT_CHUNK: usize = 16;
 
 /// A kernel's end of the log.
-enum Log<'a> {
+enum LogRoute<'a> {
     /// The merger puts the events of all kernels in order.
     Merged(Feeder),
     /// The only kernel of a job needs no merging.
@@ -23,33 +23,33 @@ enum Log<'a> {
         /// Numbers the events.
         merger: &'a mut Merger,
         /// Receives them.
-        sink: &'a mut dyn Sink,
+        sink: &'a mut dyn LogSink,
     },
 }
 
 /// The path of a kernel's events.
-pub struct Stream<'a> {
+pub struct EventStream<'a> {
     backlog: &'a mut Backlog,
-    log: Option<Log<'a>>,
+    log: Option<LogRoute<'a>>,
 }
 
-impl<'a> Stream<'a> {
+impl<'a> EventStream<'a> {
     /// From a kernel to the results of its channel, and to the merger if there is one.
     pub fn new(backlog: &'a mut Backlog, feeder: Option<Feeder>) -> Self {
-        Self { backlog, log: feeder.map(Log::Merged) }
+        Self { backlog, log: feeder.map(LogRoute::Merged) }
     }
 
     /// From the only kernel of a job to the results of its channel, and straight to the sink.
-    pub fn only(backlog: &'a mut Backlog, merger: &'a mut Merger, sink: &'a mut dyn Sink) -> Self {
-        Self { backlog, log: Some(Log::Only { merger, sink }) }
+    pub fn only(backlog: &'a mut Backlog, merger: &'a mut Merger, sink: &'a mut dyn LogSink) -> Self {
+        Self { backlog, log: Some(LogRoute::Only { merger, sink }) }
     }
 
     /// Events of a full chunk.
     pub fn chunk_size(&self, coordinator: Port<'_>) -> usize {
         match self.log {
-            Some(Log::Merged(_)) => CHUNK,
+            Some(LogRoute::Merged(_)) => CHUNK,
             None if !coordinator.is_single() => SHORT_CHUNK,
-            Some(Log::Only { .. }) | None => NEAR_CHUNK,
+            Some(LogRoute::Only { .. }) | None => NEAR_CHUNK,
         }
     }
 
@@ -57,26 +57,26 @@ impl<'a> Stream<'a> {
     /// chunk may be replaced by another one of any length, whose events are overwritten.
     pub fn send(&mut self, chunk: &mut Vec<Event>, (count, texts): (usize, usize), upto: Tag, coordinator: Port<'_>) {
         let events = chunk.get(..count).unwrap_or_default();
-        if let Some(Log::Only { merger, sink }) = &mut self.log
+        if let Some(LogRoute::Only { merger, sink }) = &mut self.log
             && !merger.pass(events, *sink)
         {
             coordinator.abort();
         }
         let floor = || coordinator.floor(upto.channel);
         let taken = self.backlog.pass(events, floor);
-        let merged = matches!(self.log, Some(Log::Merged(_)));
+        let merged = matches!(self.log, Some(LogRoute::Merged(_)));
         if taken && !merged {
             return;
         }
         let shared = self.backlog.share(chunk, count);
-        if let Some(Log::Merged(feeder)) = &mut self.log {
+        if let Some(LogRoute::Merged(feeder)) = &mut self.log {
             feeder.send(shared.clone(), upto);
         }
         if !taken {
             self.backlog.put(shared, texts);
         }
         match &mut self.log {
-            Some(Log::Merged(feeder)) => {
+            Some(LogRoute::Merged(feeder)) => {
                 while let Some(chunk) = feeder.try_back() {
                     self.backlog.return_chunk(chunk);
                 }
@@ -88,7 +88,7 @@ impl<'a> Stream<'a> {
                 // it.
                 self.backlog.take_all(floor());
             }
-            Some(Log::Only { .. }) | None => {
+            Some(LogRoute::Only { .. }) | None => {
                 if self.backlog.take_most(floor) {
                     coordinator.catch_up(upto);
                 }

@@ -2,9 +2,9 @@
 
 mod fits;
 
-use crate::wait::{Set, Terminal, Waiting, words};
-use crate::waits::{RefusedPairs, Waits};
-use counterpoint_event::event::{Member, Primitive, Verdict, VerdictKind};
+use crate::wait::{ChannelSet, Terminal, WaitingChannel, words};
+use crate::waits::{JobWaits, RefusedPairs};
+use counterpoint_event::event::{Primitive, Verdict, VerdictKind, VerdictMember};
 use counterpoint_event::info::Info;
 
 /// `file line n 'text'`.
@@ -13,12 +13,12 @@ pub fn place(info: &Info, file: u16, line: u32) -> String {
 }
 
 /// Classifies a set of channels that can never continue, at a time. Others that have been judged before come last.
-pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
-    let hopeless = Set(waits.dead().0 & !dead.0);
+pub fn of(dead: ChannelSet, at_ns: i64, waits: &JobWaits, info: &Info) -> Verdict {
+    let hopeless = ChannelSet(waits.dead().0 & !dead.0);
     let ended = |channel: &u16| waits.places.end(*channel).is_some();
     let partners =
-        missing(dead, waits).iter().filter(|channel| hopeless.has(*channel) || ended(channel)).collect::<Set>();
-    let members = Set(dead.0 | partners.0);
+        missing(dead, waits).iter().filter(|channel| hopeless.has(*channel) || ended(channel)).collect::<ChannelSet>();
+    let members = ChannelSet(dead.0 | partners.0);
     let sentences = Sentences { waits, info };
     let mut text: Vec<String> = dead.iter().filter_map(|channel| sentences.waiting(channel)).collect();
     text.extend(partners.iter().filter_map(|channel| sentences.waiting(channel)));
@@ -38,9 +38,9 @@ pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
 }
 
 /// Waits that the control does not accept at the same time, with the places of the codes that would match.
-pub(crate) fn of_refused(refused: &RefusedPairs, waits: &Waits, info: &Info) -> String {
+pub(crate) fn of_refused(refused: &RefusedPairs, waits: &JobWaits, info: &Info) -> String {
     let own = &refused.arriving;
-    let at = |waiting: &Waiting| {
+    let at = |waiting: &WaitingChannel| {
         format!("channel {} waits at {}", waiting.tag.channel, place(info, waiting.file, waiting.line))
     };
     let cases = refused.standing.iter().map(|(other, case)| format!("{}, {}: {case}", at(own), at(other)));
@@ -49,20 +49,20 @@ pub(crate) fn of_refused(refused: &RefusedPairs, waits: &Waits, info: &Info) -> 
 }
 
 /// Whether these channels, or those that they wait for, have come here by an order that only a run can tell.
-pub(crate) fn depends_on_order(dead: Set, waits: &Waits) -> bool {
-    (Set(dead.0 | missing(dead, waits).0).0 & waits.order_matters.0) != 0
+pub(crate) fn depends_on_order(dead: ChannelSet, waits: &JobWaits) -> bool {
+    (ChannelSet(dead.0 | missing(dead, waits).0).0 & waits.order_matters.0) != 0
 }
 
 /// Whom these channels wait for.
-fn missing(channels: Set, waits: &Waits) -> Set {
-    channels.iter().fold(Set::default(), |all, channel| Set(all.0 | waits.missing(channel).channels.0))
+fn missing(channels: ChannelSet, waits: &JobWaits) -> ChannelSet {
+    channels.iter().fold(ChannelSet::default(), |all, channel| ChannelSet(all.0 | waits.missing(channel).channels.0))
 }
 
 /// Why these channels cannot continue: from the partners that they wait for, and the waits of those partners.
-fn kind(dead: Set, waits: &Waits) -> VerdictKind {
+fn kind(dead: ChannelSet, waits: &JobWaits) -> VerdictKind {
     let mut reached = dead;
     loop {
-        let further = Set(reached.0 | missing(reached, waits).0);
+        let further = ChannelSet(reached.0 | missing(reached, waits).0);
         if further == reached {
             break;
         }
@@ -86,7 +86,7 @@ fn kind(dead: Set, waits: &Waits) -> VerdictKind {
 }
 
 /// Whether a channel is at the mark of one that it waits for, but they wait there for different channels.
-fn is_mismatch(channel: u16, among: Set, waits: &Waits) -> bool {
+fn is_mismatch(channel: u16, among: ChannelSet, waits: &JobWaits) -> bool {
     let Some(own) = waits.places.at(channel).filter(|own| own.wait.primitive == Primitive::Barrier) else {
         return false;
     };
@@ -98,28 +98,28 @@ fn is_mismatch(channel: u16, among: Set, waits: &Waits) -> bool {
 }
 
 /// A channel as a member, with its wait.
-pub fn member(channel: u16, waits: &Waits) -> Member {
+pub fn member(channel: u16, waits: &JobWaits) -> VerdictMember {
     match (waits.places.at(channel), waits.places.end(channel)) {
-        (Some(w), _) => Member {
+        (Some(w), _) => VerdictMember {
             channel,
             file: w.file,
             line: w.line,
             waiting_for: waits.missing(channel).channels.iter().collect(),
         },
-        (None, Some(f)) => Member { channel, file: f.file, line: f.line, waiting_for: Vec::new() },
-        (None, None) => Member { channel, file: 0, line: 0, waiting_for: Vec::new() },
+        (None, Some(f)) => VerdictMember { channel, file: f.file, line: f.line, waiting_for: Vec::new() },
+        (None, None) => VerdictMember { channel, file: 0, line: 0, waiting_for: Vec::new() },
     }
 }
 
 /// `channel 1 waits from 1.000 s on at x.nc line 3 'M101' for channel 2`.
-pub fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
+pub fn waiting_sentence(channel: u16, waits: &JobWaits, info: &Info) -> Option<String> {
     Sentences { waits, info }.waiting(channel)
 }
 
 /// Statements about channels.
 #[derive(Clone, Copy)]
 struct Sentences<'a> {
-    waits: &'a Waits,
+    waits: &'a JobWaits,
     info: &'a Info,
 }
 

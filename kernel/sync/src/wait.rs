@@ -1,14 +1,14 @@
 //! A wait as data: its mark, its channels, and the rule of its control.
 //!
 //! *Invariant:* nothing here depends on a control. The relation of two waits beyond their primitive, and their written
-//! form, are in their [`Rule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.
+//! form, are in their [`WaitRule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.
 
 mod set;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-pub use set::{Set, words};
+pub use set::{ChannelSet, words};
 
 use crate::channels::Channels;
 use crate::tag::Tag;
@@ -16,7 +16,7 @@ use counterpoint_event::event::{FileId, Primitive};
 
 /// The mark of a wait: equal keys belong together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Key {
+pub struct WaitMark {
     /// Which family of marks the number counts in.
     pub space: u16,
     /// Number of the mark.
@@ -29,11 +29,11 @@ pub struct Wait {
     /// Primitive.
     pub primitive: Primitive,
     /// Its mark.
-    pub key: Key,
+    pub key: WaitMark,
     /// Channels as written; `None` without a list.
-    pub named: Option<Set>,
+    pub named: Option<ChannelSet>,
     /// Channels that take part, the own one included.
-    pub parts: Set,
+    pub parts: ChannelSet,
     /// How many of them must have come; 0: all. [`Primitive::Count`] counts the own one, [`Primitive::Signal`] senders.
     pub need: u16,
     /// Its rule, by index.
@@ -44,9 +44,9 @@ pub struct Wait {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Send {
     /// Its mark.
-    pub key: Key,
+    pub key: WaitMark,
     /// Channels that get one.
-    pub to: Set,
+    pub to: ChannelSet,
     /// It is for all channels: waits for any sender use it, those for named senders do not.
     pub broadcast: bool,
     /// When it is used up.
@@ -66,7 +66,7 @@ pub enum Lasts {
 
 /// Marks with numbers from the first to the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Marks {
+pub struct MarkRange {
     /// Their family.
     pub space: u16,
     /// First number.
@@ -77,28 +77,28 @@ pub struct Marks {
 
 /// An act of a channel for others at once, without waiting itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Act {
+pub enum WaitOp {
     /// Sets the own flag of a mark.
-    Set(Key),
+    Set(WaitMark),
     /// Deletes the own flag of a mark.
-    Clear(Key),
+    Clear(WaitMark),
     /// Sends a signal.
     Signal(Send),
     /// Removes unused signals: of a single number the oldest one, of several numbers all.
     Remove {
         /// Their marks.
-        range: Marks,
+        range: MarkRange,
         /// Senders of the signals; none: those that were sent to all channels.
-        to: Option<Set>,
+        to: Option<ChannelSet>,
     },
     /// Releases a resource that the channel holds.
-    Release(Key),
+    Release(WaitMark),
     /// Takes a resource that another channel holds.
-    Take(Key),
+    Take(WaitMark),
     /// Passes on a resource that the channel holds.
     Give {
         /// The resource.
-        key: Key,
+        key: WaitMark,
         /// Channels that get it.
         to: u16,
     },
@@ -124,7 +124,7 @@ pub enum Reaction {
 
 /// Pairs of waits that a control refuses.
 #[derive(Debug, Clone, Copy)]
-pub struct Mismatch {
+pub struct MismatchCheck {
     /// Why these two cannot stand at the same time, if so.
     pub refuses: fn(&Wait, &Wait) -> Option<&'static str>,
     /// How the message about that begins.
@@ -135,7 +135,7 @@ pub struct Mismatch {
 
 /// The wait rules of a control.
 #[derive(Debug, Clone)]
-pub struct Rule {
+pub struct WaitRule {
     /// Word in front of the number.
     pub word: Box<str>,
     /// The number is written.
@@ -143,15 +143,15 @@ pub struct Rule {
     /// Text before the list of channels; empty if the list is not shown.
     pub list: Box<str>,
     /// How number and channels are written.
-    pub style: Style,
+    pub style: WaitNotation,
     /// Pairs that it refuses; none: waits that do not match wait.
-    pub mismatch: Option<Mismatch>,
+    pub mismatch: Option<MismatchCheck>,
     /// The meaning of an absent partner.
     pub absent: Absent,
     /// A partner that waits at a wait of this primitive counts as arrived.
     pub met_by: Option<Primitive>,
     /// The rules of the control for signals.
-    pub signals: Signals,
+    pub signals: SignalRules,
     /// Names of the marks, by their numbers; empty: marks are numbers.
     pub names: Arc<[Box<str>]>,
     /// Whether the code does more than wait.
@@ -160,7 +160,7 @@ pub struct Rule {
 
 /// The signal rules of a control.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Signals {
+pub struct SignalRules {
     /// Word with which a partner sends the signal of this wait, if it is another word.
     pub sent_by: Option<Box<str>>,
     /// A channel may send signals to itself.
@@ -173,7 +173,7 @@ pub struct Signals {
 
 /// How a wait is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
+pub enum WaitNotation {
     /// A word, its number, and the list of channels: `M101 P12`.
     Word,
     /// A statement, with number and channels in parentheses: `WAITM(1,1,2)`.
@@ -187,7 +187,7 @@ pub enum Style {
     Axes,
 }
 
-impl Rule {
+impl WaitRule {
     /// Waits of a word that the control pairs freely.
     #[must_use]
     pub fn plain(word: &str) -> Self {
@@ -195,11 +195,11 @@ impl Rule {
             word: word.into(),
             numbered: true,
             list: "".into(),
-            style: Style::Word,
+            style: WaitNotation::Word,
             mismatch: None,
             absent: Absent::Missed,
             met_by: None,
-            signals: Signals::default(),
+            signals: SignalRules::default(),
             names: Arc::default(),
             acts: false,
         }
@@ -211,7 +211,7 @@ impl Rule {
     }
 }
 
-impl Rule {
+impl WaitRule {
     /// The word with the numbers of two axes.
     fn axes(&self, number: u32) -> String {
         match (number >> 15, number & 0x7fff) {
@@ -223,16 +223,16 @@ impl Rule {
 
 /// The rules of a machine, by the index in [`Wait::rule`].
 #[derive(Debug, Clone)]
-pub struct Rules(Arc<[Rule]>);
+pub struct WaitRules(Arc<[WaitRule]>);
 
-impl Rules {
+impl WaitRules {
     /// In the order of their indices.
-    pub fn new(rules: impl IntoIterator<Item = Rule>) -> Self {
+    pub fn new(rules: impl IntoIterator<Item = WaitRule>) -> Self {
         Self(rules.into_iter().collect())
     }
 
     /// The rule of a wait.
-    pub fn of(&self, wait: &Wait) -> Option<&Rule> {
+    pub fn of(&self, wait: &Wait) -> Option<&WaitRule> {
         self.0.get(usize::from(wait.rule))
     }
 
@@ -269,7 +269,7 @@ impl Rules {
             Some(rule) if rule.numbered && rule.word.len() == 1 && wait.primitive != Primitive::Signal => {
                 number.to_string()
             }
-            Some(rule) if rule.style == Style::Axes => rule.axes(number),
+            Some(rule) if rule.style == WaitNotation::Axes => rule.axes(number),
             Some(rule) if !rule.names.is_empty() => rule.marked(number),
             Some(rule) if rule.numbered => format!("{}{number}", rule.word),
             Some(rule) => rule.word.to_string(),
@@ -279,22 +279,22 @@ impl Rules {
     /// The wait as people write it: `M101`, `M101 P12`, `START1`, `WAITM(10,1,2)`.
     pub fn text(&self, wait: &Wait) -> String {
         let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };
-        if rule.style == Style::LineUp {
+        if rule.style == WaitNotation::LineUp {
             let channels: String = wait.parts.iter().map(|channel| channel.to_string()).collect();
             return format!("{}{channels}L{}", rule.word, wait.key.number);
         }
-        if rule.style == Style::Statement {
+        if rule.style == WaitNotation::Statement {
             let mark = rule.numbered.then(|| rule.marked(wait.key.number));
-            let channels = wait.named.into_iter().flat_map(Set::iter).map(|channel| channel.to_string());
+            let channels = wait.named.into_iter().flat_map(ChannelSet::iter).map(|channel| channel.to_string());
             let arguments: Vec<String> = mark.into_iter().chain(channels).collect();
             return format!("{}({})", rule.word, arguments.join(","));
         }
-        if rule.style == Style::Axes {
+        if rule.style == WaitNotation::Axes {
             return rule.axes(wait.key.number);
         }
-        if rule.style == Style::Keys {
+        if rule.style == WaitNotation::Keys {
             let mut out = format!("{} [ID{}", rule.word, wait.key.number);
-            for channel in wait.named.into_iter().flat_map(Set::iter) {
+            for channel in wait.named.into_iter().flat_map(ChannelSet::iter) {
                 let _ = write!(out, " CH{channel}");
             }
             out.push(']');
@@ -316,7 +316,7 @@ impl Rules {
 
 /// A channel that has arrived at a wait.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Waiting {
+pub struct WaitingChannel {
     /// The wait.
     pub wait: Wait,
     /// When the channel arrived.
@@ -353,23 +353,23 @@ pub struct Finish {
 
 /// Channels that a wait still needs: `need` of `channels`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Missing {
+pub struct MissingChannels {
     /// Who can bring it about.
-    pub channels: Set,
+    pub channels: ChannelSet,
     /// How many of them must; 0: the wait is over.
     pub need: u16,
 }
 
-impl Missing {
+impl MissingChannels {
     /// All of these.
     #[must_use]
-    pub fn all(channels: Set) -> Self {
+    pub fn all(channels: ChannelSet) -> Self {
         Self { channels, need: channels.count() }
     }
 
     /// Any one of these. Without any the wait never ends.
     #[must_use]
-    pub fn any(channels: Set) -> Self {
+    pub fn any(channels: ChannelSet) -> Self {
         Self { channels, need: 1 }
     }
 
@@ -381,34 +381,34 @@ impl Missing {
 
     /// Enough of these channels are missing ones.
     #[must_use]
-    pub fn is_met_by(self, able: Set) -> bool {
+    pub fn is_met_by(self, able: ChannelSet) -> bool {
         self.channels.and(able).count() >= self.need
     }
 }
 
 /// Where all channels are: at which wait, or at their end.
 #[derive(Debug, Clone)]
-pub struct Places {
+pub struct ChannelPlaces {
     channels: Channels,
-    waiting: Vec<Option<Waiting>>,
+    waiting: Vec<Option<WaitingChannel>>,
     finished: Vec<Option<Finish>>,
     /// Channels without a running program, which others may start.
-    idle: Set,
+    idle: ChannelSet,
     /// The wait that each channel has passed last, and when it continued.
-    passed: Vec<Option<(Waiting, i64)>>,
+    passed: Vec<Option<(WaitingChannel, i64)>>,
 }
 
-impl Places {
+impl ChannelPlaces {
     /// No channel waits yet.
     #[must_use]
     pub fn new(channels: Channels) -> Self {
         let count = channels.count();
         let (waiting, finished, passed) = (vec![None; count], vec![None; count], vec![None; count]);
-        Self { channels, waiting, finished, idle: Set::default(), passed }
+        Self { channels, waiting, finished, idle: ChannelSet::default(), passed }
     }
 
     /// The wait of a channel.
-    pub fn at(&self, channel: u16) -> Option<&Waiting> {
+    pub fn at(&self, channel: u16) -> Option<&WaitingChannel> {
         self.waiting.get(self.channels.index(channel)).and_then(Option::as_ref)
     }
 
@@ -434,36 +434,36 @@ impl Places {
     }
 
     /// All that wait, ascending by channel.
-    pub fn waiting(&self) -> impl Iterator<Item = &Waiting> {
+    pub fn waiting(&self) -> impl Iterator<Item = &WaitingChannel> {
         self.waiting.iter().flatten()
     }
 
     /// Records that a channel is at a wait.
-    pub(crate) fn stand(&mut self, waiting: Waiting) {
+    pub(crate) fn stand(&mut self, waiting: WaitingChannel) {
         if let Some(slot) = self.waiting.get_mut(self.channels.index(waiting.tag.channel)) {
             *slot = Some(waiting);
         }
     }
 
     /// The wait that a channel has passed last, and when it continued, ns.
-    pub fn passed(&self, channel: u16) -> Option<&(Waiting, i64)> {
+    pub fn passed(&self, channel: u16) -> Option<&(WaitingChannel, i64)> {
         self.passed.get(self.channels.index(channel)).and_then(Option::as_ref)
     }
 
     /// A channel continues after a wait at this time.
-    pub(crate) fn pass(&mut self, waiting: Waiting, t: i64) {
+    pub(crate) fn pass(&mut self, waiting: WaitingChannel, t: i64) {
         if let Some(slot) = self.passed.get_mut(self.channels.index(waiting.tag.channel)) {
             *slot = Some((waiting, t));
         }
     }
 
     /// A channel waits no longer.
-    pub(crate) fn leave(&mut self, channel: u16) -> Option<Waiting> {
+    pub(crate) fn leave(&mut self, channel: u16) -> Option<WaitingChannel> {
         self.waiting.get_mut(self.channels.index(channel)).and_then(Option::take)
     }
 
     /// Channels without a running program, which others may start.
-    pub(crate) fn idle(&self) -> Set {
+    pub(crate) fn idle(&self) -> ChannelSet {
         self.idle
     }
 

@@ -10,9 +10,12 @@ mod search;
 mod tests;
 
 use crate::channels::Channels;
-use crate::primitives::{Letter, Memory, Moved};
+use crate::primitives::{LastAxisMove, Letter, PrimitiveState};
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Key, Missing, Places, Reaction, Rule, Rules, Set, Terminal, Wait, Waiting};
+use crate::wait::{
+    ChannelPlaces, ChannelSet, Finish, MissingChannels, Reaction, Terminal, Wait, WaitMark, WaitOp, WaitRule,
+    WaitRules, WaitingChannel,
+};
 use counterpoint_event::event::Primitive;
 use std::collections::BTreeMap;
 
@@ -20,7 +23,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Released {
     /// The channels.
-    pub channels: Set,
+    pub channels: ChannelSet,
     /// When, ns.
     pub t: i64,
     /// Their order at that time.
@@ -28,12 +31,12 @@ pub struct Released {
     /// The channel whose operation let them continue.
     pub by: u16,
     /// Why a partner of a count did not come.
-    pub short: Option<Short>,
+    pub short: Option<ShortfallReason>,
 }
 
 /// Why a partner of a count does not come to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Short {
+pub enum ShortfallReason {
     /// Its program has ended.
     Ended,
     /// It waits at a wait of the primitive that the rule of the count names.
@@ -42,7 +45,7 @@ pub enum Short {
 
 /// Result of an arrival.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Arrival {
+pub enum ArrivalOutcome {
     /// The wait is over: these channels continue, the arriving one among them.
     Released(Released),
     /// The channel waits.
@@ -62,63 +65,63 @@ pub struct RefusedPairs {
     /// Its name on the control.
     pub title: &'static str,
     /// The wait of the channel that came last.
-    pub arriving: Waiting,
+    pub arriving: WaitingChannel,
     /// The waits that do not match it, each with the case.
-    pub standing: Vec<(Waiting, &'static str)>,
+    pub standing: Vec<(WaitingChannel, &'static str)>,
 }
 
 impl RefusedPairs {
     /// All channels of the pairs.
-    pub fn channels(&self) -> Set {
-        let standing: Set = self.standing.iter().map(|(other, _)| other.tag.channel).collect();
+    pub fn channels(&self) -> ChannelSet {
+        let standing: ChannelSet = self.standing.iter().map(|(other, _)| other.tag.channel).collect();
         standing.with(self.arriving.tag.channel)
     }
 }
 
 /// An arrival, and its further consequences.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Arrived {
+pub struct ArrivalConsequences {
     /// Its effect on the channel and those that continue with it.
-    pub arrival: Arrival,
+    pub arrival: ArrivalOutcome,
     /// Others whose own waits are over by it.
     pub others: Vec<Released>,
     /// Waits that do not match and that the control only warns of.
     pub warning: Option<RefusedPairs>,
 }
 
-impl From<Arrival> for Arrived {
-    fn from(arrival: Arrival) -> Self {
+impl From<ArrivalOutcome> for ArrivalConsequences {
+    fn from(arrival: ArrivalOutcome) -> Self {
         Self { arrival, others: Vec::new(), warning: None }
     }
 }
 
 /// All waits of the job.
 #[derive(Debug, Clone)]
-pub struct Waits {
+pub struct JobWaits {
     /// Where all channels are.
-    pub places: Places,
+    pub places: ChannelPlaces,
     /// The rules of the machine.
-    pub rules: Rules,
+    pub rules: WaitRules,
     /// Blocks take no time, so that times say nothing.
     pub timeless: bool,
     /// Channels that have done something whose outcome depends on which channel comes first, where nothing takes time.
-    pub order_matters: Set,
+    pub order_matters: ChannelSet,
     /// The first list of channels that came to each mark, kept where blocks take no time.
-    lists: BTreeMap<Key, Set>,
-    memory: Memory,
+    lists: BTreeMap<WaitMark, ChannelSet>,
+    memory: PrimitiveState,
     release_ns: i64,
 }
 
-impl Waits {
+impl JobWaits {
     /// No channel waits yet; a release takes `release_ns`.
-    pub fn new(channels: Channels, rules: Rules, release_ns: i64) -> Self {
+    pub fn new(channels: Channels, rules: WaitRules, release_ns: i64) -> Self {
         Self {
-            places: Places::new(channels),
+            places: ChannelPlaces::new(channels),
             rules,
             timeless: false,
-            order_matters: Set::default(),
+            order_matters: ChannelSet::default(),
             lists: BTreeMap::new(),
-            memory: Memory::default(),
+            memory: PrimitiveState::default(),
             release_ns,
         }
     }
@@ -126,7 +129,7 @@ impl Waits {
     /// Whether another wait at this mark was for other channels, and the control pairs them: the result depends on the
     /// order of arrival. Only known where blocks take no time.
     pub fn lists_differ(&mut self, wait: &Wait) -> bool {
-        let refused = |rule: &Rule| rule.mismatch.is_some_and(|mismatch| mismatch.reaction == Reaction::Alarm);
+        let refused = |rule: &WaitRule| rule.mismatch.is_some_and(|mismatch| mismatch.reaction == Reaction::Alarm);
         if !self.timeless || self.rules.of(wait).is_some_and(refused) {
             return false;
         }
@@ -146,17 +149,17 @@ impl Waits {
         }
     }
 
-    fn missing_at(&self, channel: u16, wait: &Wait) -> Missing {
+    fn missing_at(&self, channel: u16, wait: &Wait) -> MissingChannels {
         self.memory.missing(channel, wait, &self.places, &self.rules)
     }
 
     /// Channels that are missing for the wait of a channel.
-    pub fn missing(&self, channel: u16) -> Missing {
-        self.places.at(channel).map_or_else(Missing::default, |own| self.missing_at(channel, &own.wait))
+    pub fn missing(&self, channel: u16) -> MissingChannels {
+        self.places.at(channel).map_or_else(MissingChannels::default, |own| self.missing_at(channel, &own.wait))
     }
 
     /// Enough of the missing ones execute blocks.
-    fn can_come(&self, missing: Missing) -> bool {
+    fn can_come(&self, missing: MissingChannels) -> bool {
         missing.need == 0 || missing.is_met_by(missing.channels.iter().filter(|&c| self.places.runs(c)).collect())
     }
 
@@ -167,7 +170,7 @@ impl Waits {
 
     /// Executes an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or missing channels
     /// can still come by themselves. `None`: the arrival is of another kind, and nothing has changed.
-    pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
+    pub fn arrive_plainly(&mut self, arriving: WaitingChannel) -> Option<ArrivalConsequences> {
         let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
         if refused || self.memory.illegal(&arriving).is_some() {
             return None;
@@ -182,7 +185,7 @@ impl Waits {
     }
 
     /// Ends the wait at once if no channel is missing, without a release.
-    pub fn pass(&mut self, arriving: &Waiting) -> bool {
+    pub fn pass(&mut self, arriving: &WaitingChannel) -> bool {
         let (channel, wait) = (arriving.tag.channel, &arriving.wait);
         let passes = self.missing_at(channel, wait).is_none() && self.memory.illegal(arriving).is_none();
         if passes {
@@ -193,10 +196,10 @@ impl Waits {
     }
 
     /// A channel arrives.
-    pub fn arrive(&mut self, arriving: Waiting) -> Arrived {
+    pub fn arrive(&mut self, arriving: WaitingChannel) -> ArrivalConsequences {
         let tag = arriving.tag;
         if let Some(text) = self.memory.illegal(&arriving) {
-            return Arrival::Illegal { text }.into();
+            return ArrivalOutcome::Illegal { text }.into();
         }
         let mut warning = None;
         if let Some((reaction, refused)) = self.mismatch(&arriving) {
@@ -204,38 +207,38 @@ impl Waits {
                 for channel in refused.channels().without(tag.channel).iter() {
                     self.give_up(channel);
                 }
-                return Arrival::Mismatch(refused).into();
+                return ArrivalOutcome::Mismatch(refused).into();
             }
             warning = Some(refused);
         }
-        Arrived { warning, ..self.stand(arriving, None) }
+        ArrivalConsequences { warning, ..self.stand(arriving, None) }
     }
 
     /// A channel is at a wait that the control accepts. `missing`: who was missing before, if that is known.
-    fn stand(&mut self, arriving: Waiting, missing: Option<Missing>) -> Arrived {
+    fn stand(&mut self, arriving: WaitingChannel, missing: Option<MissingChannels>) -> ArrivalConsequences {
         let (wait, tag) = (arriving.wait, arriving.tag);
         let concerns_others = self.memory.arrive(&arriving);
         self.places.stand(arriving);
         if concerns_others {
             let mut others = self.settle(tag);
             let own = others.iter().position(|released| released.channels.has(tag.channel));
-            let arrival = own.map_or(Arrival::Blocked, |own| Arrival::Released(others.swap_remove(own)));
+            let arrival = own.map_or(ArrivalOutcome::Blocked, |own| ArrivalOutcome::Released(others.swap_remove(own)));
             others.sort_by_key(|released| released.channels.0.trailing_zeros());
-            return Arrived { arrival, others, warning: None };
+            return ArrivalConsequences { arrival, others, warning: None };
         }
         // Others are missing at a barrier whether the own channel stands there or not.
         let before = missing.filter(|_| wait.primitive == Primitive::Barrier);
         if !before.unwrap_or_else(|| self.missing_at(tag.channel, &wait)).is_none() {
-            return Arrival::Blocked.into();
+            return ArrivalOutcome::Blocked.into();
         }
         let together = self.memory.together(tag.channel, &wait, &self.places);
-        Arrival::Released(self.let_go(together, tag)).into()
+        ArrivalOutcome::Released(self.let_go(together, tag)).into()
     }
 
     /// Waits that do not match the arriving one, and the reaction.
-    fn mismatch(&self, arriving: &Waiting) -> Option<(Reaction, RefusedPairs)> {
+    fn mismatch(&self, arriving: &WaitingChannel) -> Option<(Reaction, RefusedPairs)> {
         let mismatch = self.rules.of(&arriving.wait)?.mismatch?;
-        let pair = |other: &Waiting| Some((*other, self.refused(&arriving.wait, &other.wait)?));
+        let pair = |other: &WaitingChannel| Some((*other, self.refused(&arriving.wait, &other.wait)?));
         let standing: Vec<_> = self.places.waiting().filter_map(pair).collect();
         let refused = RefusedPairs { title: mismatch.title, arriving: *arriving, standing };
         (!refused.standing.is_empty()).then_some((mismatch.reaction, refused))
@@ -245,7 +248,7 @@ impl Waits {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn act(&mut self, tag: Tag, act: Act) -> Result<Vec<Released>, String> {
+    pub fn act(&mut self, tag: Tag, act: WaitOp) -> Result<Vec<Released>, String> {
         self.act_with(tag, act, None)
     }
 
@@ -253,7 +256,7 @@ impl Waits {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<Vec<Released>, String> {
+    pub fn act_with(&mut self, tag: Tag, act: WaitOp, letter: Option<Letter>) -> Result<Vec<Released>, String> {
         self.memory.act(tag.channel, (act, letter), &self.rules)?;
         Ok(self.settle(tag))
     }
@@ -269,40 +272,40 @@ impl Waits {
     }
 
     /// Records that a channel holds this from the start of the job on.
-    pub fn hold(&mut self, channel: u16, key: Key) {
+    pub fn hold(&mut self, channel: u16, key: WaitMark) {
         // A free lease can be given to any channel.
-        let _ = self.memory.act(channel, (Act::Take(key), None), &self.rules);
+        let _ = self.memory.act(channel, (WaitOp::Take(key), None), &self.rules);
     }
 
     /// A channel moves an axis that channels exchange.
     ///
     /// # Errors
     /// The channel that holds it, if any does: it is not this one.
-    pub fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
+    pub fn moves(&mut self, channel: u16, key: WaitMark, moved: LastAxisMove) -> Result<(), Option<u16>> {
         self.memory.moves(channel, key, moved)
     }
 
     /// The holder of a resource, and the last move of it; none while it is where the job found it.
-    pub fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
+    pub fn lease(&self, key: WaitMark) -> (Option<u16>, Option<LastAxisMove>) {
         self.memory.lease(key)
     }
 
     /// All waits that are over after the operation at this tag: first all of them are found, then they end.
     pub fn settle(&mut self, tag: Tag) -> Vec<Released> {
-        let over = |waiting: &&Waiting| self.missing_at(waiting.tag.channel, &waiting.wait).is_none();
-        let mut points: Vec<(Wait, Set)> = Vec::new();
+        let over = |waiting: &&WaitingChannel| self.missing_at(waiting.tag.channel, &waiting.wait).is_none();
+        let mut points: Vec<(Wait, ChannelSet)> = Vec::new();
         for waiting in self.places.waiting().filter(over) {
             let channel = waiting.tag.channel;
             match points.iter_mut().find(|(wait, _)| is_one_point(wait, &waiting.wait)) {
                 Some((_, channels)) => *channels = channels.with(channel),
-                None => points.push((waiting.wait, Set::default().with(channel))),
+                None => points.push((waiting.wait, ChannelSet::default().with(channel))),
             }
         }
         points.into_iter().map(|(_, channels)| self.let_go(channels, tag)).collect()
     }
 
     /// These channels continue after the operation at this tag.
-    fn let_go(&mut self, channels: Set, tag: Tag) -> Released {
+    fn let_go(&mut self, channels: ChannelSet, tag: Tag) -> Released {
         let short = channels.iter().find_map(|channel| self.short(channel, channels));
         let after = tag.t + self.release_ns;
         for channel in channels.iter() {
@@ -316,7 +319,7 @@ impl Waits {
     }
 
     /// Why a partner of the count that a channel waits for does not continue `together` with it.
-    fn short(&self, channel: u16, together: Set) -> Option<Short> {
+    fn short(&self, channel: u16, together: ChannelSet) -> Option<ShortfallReason> {
         let wait = self.places.at(channel).map(|own| own.wait)?;
         if wait.primitive != Primitive::Count || wait.need != 0 {
             return None;
@@ -325,20 +328,20 @@ impl Waits {
         let is_elsewhere = |partner| self.places.at(partner).is_some_and(|own| Some(own.wait.primitive) == met_by);
         wait.parts.without(channel).iter().filter(|&partner| !together.has(partner)).find_map(|partner| {
             if self.places.end(partner).is_some_and(|end| end.how == Terminal::Ended) {
-                return Some(Short::Ended);
+                return Some(ShortfallReason::Ended);
             }
-            is_elsewhere(partner).then_some(Short::Elsewhere)
+            is_elsewhere(partner).then_some(ShortfallReason::Elsewhere)
         })
     }
 
     /// Channels that wait and can never continue: the complement of the fix-point over possible future acts.
-    pub fn dead(&self) -> Set {
-        let mut live: Set = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
+    pub fn dead(&self) -> ChannelSet {
+        let mut live: ChannelSet = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
         if !live.is_empty() {
             // A running channel may start idle ones.
-            live = Set(live.0 | self.places.idle().0);
+            live = ChannelSet(live.0 | self.places.idle().0);
         }
-        let waiting: Set = self.places.waiting().map(|waiting| waiting.tag.channel).collect();
+        let waiting: ChannelSet = self.places.waiting().map(|waiting| waiting.tag.channel).collect();
         loop {
             let before = live;
             for channel in waiting.iter().filter(|&channel| !before.has(channel)) {
@@ -347,7 +350,7 @@ impl Waits {
                 }
             }
             if live == before {
-                return Set(waiting.0 & !live.0);
+                return ChannelSet(waiting.0 & !live.0);
             }
         }
     }

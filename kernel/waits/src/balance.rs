@@ -7,13 +7,13 @@
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::Machine;
-use counterpoint_sync::wait::{Key, Rule, Set, Wait};
+use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitRule};
 
-use super::{BALANCE, Said, all, channels, extra_rule};
+use super::{BALANCE, WaitArguments, all, channels, extra_rule};
 
 /// The common wait of the channels of balance cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub enum BalanceStage {
     /// The code that switches it on.
     On,
     /// The first cut of a block.
@@ -23,18 +23,18 @@ pub enum Stage {
 }
 
 /// The rules of the stages, in their order.
-pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
+pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = WaitRule> {
     let word = |id| super::word(machine, id).unwrap_or_else(|| "BALANCE".to_owned());
     let (on, off) = (word(codes::BALANCE_ON), word(codes::BALANCE_OFF));
     let words = [on.clone(), format!("{on} cut"), off];
-    words.into_iter().map(|word| Rule { word: word.into(), numbered: false, acts: true, ..Rule::plain("") })
+    words.into_iter().map(|word| WaitRule { word: word.into(), numbered: false, acts: true, ..WaitRule::plain("") })
 }
 
 /// The wait of a channel and its partner.
 ///
 /// # Errors
 /// Why the list of channels is not possible.
-pub fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
+pub fn wait(machine: &Machine, said: WaitArguments) -> Result<Wait, String> {
     let everybody = all(machine);
     let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
     let parts = match named {
@@ -48,16 +48,16 @@ pub fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
     if parts.count() != 2 {
         return Err(format!("two channels cut in balance, not {}", parts.count()));
     }
-    Ok(stage(machine, parts, Stage::On))
+    Ok(stage(machine, parts, BalanceStage::On))
 }
 
 /// Another stage of the channels of a wait.
-pub fn at(machine: &Machine, wait: &Wait, to: Stage) -> Wait {
+pub fn at(machine: &Machine, wait: &Wait, to: BalanceStage) -> Wait {
     stage(machine, wait.parts, to)
 }
 
-fn stage(machine: &Machine, parts: Set, stage: Stage) -> Wait {
+fn stage(machine: &Machine, parts: ChannelSet, stage: BalanceStage) -> Wait {
     let number = stage as u32;
-    let key = Key { space: BALANCE, number };
+    let key = WaitMark { space: BALANCE, number };
     Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule: extra_rule(machine) + number as u16 }
 }

@@ -3,13 +3,13 @@
 //! Facts: reference channel-synchronisation.md 1.3 (parameter 8103 bit 1).
 
 use counterpoint_machine::model::PathsForm;
-use counterpoint_sync::wait::Set;
+use counterpoint_sync::wait::ChannelSet;
 
 /// Largest value of a list.
 const LARGEST: f64 = 9_999_999_999.0;
 
 /// The channels of a list.
-pub(super) fn named(value: f64, form: PathsForm, all: Set) -> Result<Set, String> {
+pub(super) fn named(value: f64, form: PathsForm, all: ChannelSet) -> Result<ChannelSet, String> {
     if value < 0.0 || value.fract() != 0.0 || value > LARGEST {
         return Err(format!("P{value} is not a positive whole number"));
     }
@@ -23,15 +23,15 @@ pub(super) fn named(value: f64, form: PathsForm, all: Set) -> Result<Set, String
 }
 
 /// A sum of 2^(n−1).
-fn bits(value: u64, all: Set) -> Option<Set> {
-    let set = Set(value.into());
+fn bits(value: u64, all: ChannelSet) -> Option<ChannelSet> {
+    let set = ChannelSet(value.into());
     (value > 0 && set.and(all) == set).then_some(set)
 }
 
 /// Numbers side by side; 0 is channel 10.
-fn digits(value: u64, all: Set) -> Option<Set> {
+fn digits(value: u64, all: ChannelSet) -> Option<ChannelSet> {
     let channel = |digit: u8| if digit == b'0' { 10 } else { u16::from(digit - b'0') };
-    let set: Set = value.to_string().bytes().map(channel).collect();
+    let set: ChannelSet = value.to_string().bytes().map(channel).collect();
     (set.and(all) == set).then_some(set)
 }
 
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn channel_lists_in_both_forms() {
-        let set = |channels: &[u16]| Some(channels.iter().copied().collect::<Set>());
+        let set = |channels: &[u16]| Some(channels.iter().copied().collect::<ChannelSet>());
         for (value, form, count, expected) in [
             (3.0, PathsForm::Bits, 3, set(&[1, 2])),
             (7.0, PathsForm::Bits, 3, set(&[1, 2, 3])),
@@ -54,7 +54,7 @@ mod tests {
             (1.5, PathsForm::List, 3, None),
             (0.0, PathsForm::Bits, 3, None),
         ] {
-            assert_eq!(named(value, form, Set::up_to(count)).ok(), expected, "{value} {form:?}");
+            assert_eq!(named(value, form, ChannelSet::up_to(count)).ok(), expected, "{value} {form:?}");
         }
     }
 }

@@ -9,15 +9,15 @@ use counterpoint_event::info::Info;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::AxisId;
 use counterpoint_machine::model::Machine;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::sources::SeenSources;
-use counterpoint_sync::wait::{Key, Rule, Set, Style, Wait};
+use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitNotation, WaitRule};
 
 use super::{COUPLING, extra_rule};
 
 /// The effect of the code on two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum CouplingKind {
     /// The slave follows the master.
     Synchronous,
     /// The words of each channel move the axis of the other channel.
@@ -26,7 +26,7 @@ pub enum Kind {
     Superimposed,
 }
 
-impl Kind {
+impl CouplingKind {
     /// All of them, in the order of their rules.
     const ALL: [Self; 3] = [Self::Synchronous, Self::Composite, Self::Superimposed];
 
@@ -60,7 +60,7 @@ impl Kind {
 
 /// An axis that a code names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct End {
+pub struct CoupledAxis {
     /// Its number.
     pub number: u16,
     /// The axis.
@@ -71,20 +71,20 @@ pub struct End {
 
 /// Two axes that a code couples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pair {
+pub struct CoupledPair {
     /// How.
-    pub kind: Kind,
+    pub kind: CouplingKind,
     /// The axis that P names.
-    pub master: End,
+    pub master: CoupledAxis,
     /// The axis that Q names.
-    pub slave: End,
+    pub slave: CoupledAxis,
 }
 
 /// The rules of the codes, two for each kind.
-pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
-    Kind::ALL.into_iter().flat_map(Kind::codes).map(|id| {
+pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = WaitRule> {
+    CouplingKind::ALL.into_iter().flat_map(CouplingKind::codes).map(|id| {
         let word = super::word(machine, id).unwrap_or_else(|| machine.code_name(id).to_owned());
-        Rule { style: Style::Axes, acts: true, ..Rule::plain(&word) }
+        WaitRule { style: WaitNotation::Axes, acts: true, ..WaitRule::plain(&word) }
     })
 }
 
@@ -92,7 +92,7 @@ pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
 ///
 /// # Errors
 /// The number is missing, or names no axis that can be coupled.
-pub fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<End, String> {
+pub fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<CoupledAxis, String> {
     let Some(value) = number else { return Err(format!("{letter} with the number of an axis is missing")) };
     let has = |number: u16| f64::from(number) == value;
     let named = machine.axes.find(|axis| axis.coupling.number.is_some_and(has));
@@ -101,14 +101,14 @@ pub fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<End, 
     };
     let mut owners = machine.channels.iter().filter(|channel| channel.axes.as_slice().contains(&axis));
     match (owners.next(), owners.next()) {
-        (Some(owner), None) => Ok(End { number, axis, channel: owner.number }),
+        (Some(owner), None) => Ok(CoupledAxis { number, axis, channel: owner.number }),
         (Some(_), Some(_)) => Err(format!("axis {} belongs to several channels", machine.axes[axis].name)),
         (None, _) => Err(format!("axis {} belongs to no channel", machine.axes[axis].name)),
     }
 }
 
 /// Whether the program of a channel, and programs of other channels, have the code of synchronous control.
-pub fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, Range)) -> [bool; 2] {
+pub fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, ProgramRange)) -> [bool; 2] {
     let mut found = [false; 2];
     let Some(word) = super::word(machine, codes::COUPLE_SYNCHRONOUS) else { return found };
     let mut files: Vec<FileId> = info.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
@@ -144,8 +144,13 @@ fn has_word(line: &[u8], word: &[u8]) -> bool {
 ///
 /// # Errors
 /// Why the control does not couple them.
-pub fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Result<Pair, String> {
-    let name = |end: End| &machine.axes[end.axis].name;
+pub fn pair(
+    machine: &Machine,
+    kind: CouplingKind,
+    master: CoupledAxis,
+    slave: CoupledAxis,
+) -> Result<CoupledPair, String> {
+    let name = |end: CoupledAxis| &machine.axes[end.axis].name;
     if master.axis == slave.axis {
         return Err(format!("P and Q both name axis {}", name(master)));
     }
@@ -156,23 +161,23 @@ pub fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Result<Pa
     if machine.axes[master.axis].role.is_rotary() != machine.axes[slave.axis].role.is_rotary() {
         return Err(format!("one of the axes {} and {} turns, the other one does not", name(master), name(slave)));
     }
-    Ok(Pair { kind, master, slave })
+    Ok(CoupledPair { kind, master, slave })
 }
 
-impl Pair {
+impl CoupledPair {
     /// Where both channels meet before the code acts. A code that names the slave alone is shown so.
     pub fn wait(&self, machine: &Machine, off: bool) -> Wait {
         let at = self.kind as u16 * 2 + u16::from(off);
-        let master = if off && self.kind != Kind::Composite { 0 } else { u32::from(self.master.number) };
-        let key = Key { space: COUPLING + at, number: (master << 15) | u32::from(self.slave.number) };
-        let parts: Set = [self.master.channel, self.slave.channel].into_iter().collect();
+        let master = if off && self.kind != CouplingKind::Composite { 0 } else { u32::from(self.master.number) };
+        let key = WaitMark { space: COUPLING + at, number: (master << 15) | u32::from(self.slave.number) };
+        let parts: ChannelSet = [self.master.channel, self.slave.channel].into_iter().collect();
         // The rules of balance cutting come before.
         let rule = extra_rule(machine) + 3 + at;
         Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule }
     }
 
     /// The axis of a channel, and the other axis.
-    pub fn of(&self, channel: u16) -> Option<(End, End)> {
+    pub fn of(&self, channel: u16) -> Option<(CoupledAxis, CoupledAxis)> {
         if channel == self.master.channel {
             Some((self.master, self.slave))
         } else if channel == self.slave.channel {
@@ -184,7 +189,7 @@ impl Pair {
 
     /// −1 if the two axes point in opposite directions.
     pub fn sign(&self, machine: &Machine) -> f64 {
-        let mirrored = |end: End| machine.axes[end.axis].coupling.mirrored;
+        let mirrored = |end: CoupledAxis| machine.axes[end.axis].coupling.mirrored;
         if mirrored(self.master) == mirrored(self.slave) { 1.0 } else { -1.0 }
     }
 }

@@ -5,20 +5,20 @@
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::PathsForm;
-use counterpoint_sync::wait::{Mismatch, Reaction, Rule, Set, Wait};
+use counterpoint_sync::wait::{ChannelSet, MismatchCheck, Reaction, Wait, WaitRule};
 
-use super::{Said, channels};
+use super::{WaitArguments, channels};
 
 /// Alarm PS0160.
-pub(super) const MISMATCH: Mismatch =
-    Mismatch { refuses, title: "PS0160 waiting codes do not match", reaction: Reaction::Alarm };
+pub(super) const MISMATCH: MismatchCheck =
+    MismatchCheck { refuses, title: "PS0160 waiting codes do not match", reaction: Reaction::Alarm };
 
 /// Words of alarm PS0161.
 const ILLEGAL: &str = "PS0161 illegal P of a waiting code";
 
 /// Waiting codes of a letter.
-pub(super) fn rule(letter: &str) -> Rule {
-    Rule { list: " P".into(), mismatch: Some(MISMATCH), ..Rule::plain(letter) }
+pub(super) fn rule(letter: &str) -> WaitRule {
+    WaitRule { list: " P".into(), mismatch: Some(MISMATCH), ..WaitRule::plain(letter) }
 }
 
 /// Case of PS0160 when both stand at the same time.
@@ -39,7 +39,11 @@ fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
 }
 
 /// The channels of a P word, as written and in all. Only two channels can wait without one.
-pub(super) fn participants(said: Said, form: PathsForm, all: Set) -> Result<(Option<Set>, Set), String> {
+pub(super) fn participants(
+    said: WaitArguments,
+    form: PathsForm,
+    all: ChannelSet,
+) -> Result<(Option<ChannelSet>, ChannelSet), String> {
     match said.list {
         Some(list) => match channels::named(list, form, all) {
             Ok(named) => Ok((Some(named), named.with(said.channel))),
@@ -63,14 +67,14 @@ pub(super) fn participants(said: Said, form: PathsForm, all: Set) -> Result<(Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoint_sync::wait::Key;
+    use counterpoint_sync::wait::WaitMark;
 
     #[test]
     fn cases_of_the_alarm() {
         let wait = |number, named: &[u16]| {
-            let named = (!named.is_empty()).then(|| named.iter().copied().collect::<Set>());
-            let parts = named.unwrap_or(Set::up_to(2));
-            let key = Key { space: 0, number };
+            let named = (!named.is_empty()).then(|| named.iter().copied().collect::<ChannelSet>());
+            let parts = named.unwrap_or(ChannelSet::up_to(2));
+            let key = WaitMark { space: 0, number };
             Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule: 0 }
         };
         for (first, second, alarm) in [
@@ -89,11 +93,11 @@ mod tests {
 
     #[test]
     fn only_two_channels_wait_without_a_list() {
-        let said = Said { channel: 1, number: 101, list: None };
-        assert_eq!(participants(said, PathsForm::Bits, Set::up_to(2)), Ok((None, Set::up_to(2))));
-        assert!(participants(said, PathsForm::List, Set::up_to(3)).is_err());
-        let listed = Said { list: Some(2.0), ..said };
-        let two = Set::default().with(2);
-        assert_eq!(participants(listed, PathsForm::List, Set::up_to(3)), Ok((Some(two), Set::up_to(2))));
+        let said = WaitArguments { channel: 1, number: 101, list: None };
+        assert_eq!(participants(said, PathsForm::Bits, ChannelSet::up_to(2)), Ok((None, ChannelSet::up_to(2))));
+        assert!(participants(said, PathsForm::List, ChannelSet::up_to(3)).is_err());
+        let listed = WaitArguments { list: Some(2.0), ..said };
+        let two = ChannelSet::default().with(2);
+        assert_eq!(participants(listed, PathsForm::List, ChannelSet::up_to(3)), Ok((Some(two), ChannelSet::up_to(2))));
     }
 }

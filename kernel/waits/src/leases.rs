@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::index::AxisId;
 use counterpoint_machine::model::{Machine, WaitAct};
-use counterpoint_sync::wait::{Act, Key, Set, Wait};
+use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitOp};
 
 use super::statements::{find, known_channel};
 use super::{LEASE, Meaning, all, of_row};
@@ -26,13 +26,13 @@ pub enum Leased {
 
 /// The lease of an axis.
 #[must_use]
-pub fn of_axis(axis: AxisId) -> Key {
-    Key { space: LEASE, number: axis.index() as u32 }
+pub fn of_axis(axis: AxisId) -> WaitMark {
+    WaitMark { space: LEASE, number: axis.index() as u32 }
 }
 
 /// The lease of a spindle, by its position.
-fn of_spindle(machine: &Machine, at: usize) -> Key {
-    Key { space: LEASE, number: (machine.axes.len() + at) as u32 }
+fn of_spindle(machine: &Machine, at: usize) -> WaitMark {
+    WaitMark { space: LEASE, number: (machine.axes.len() + at) as u32 }
 }
 
 /// Names of all that has a lease, by number.
@@ -73,8 +73,8 @@ pub fn by_name(
     if !lists(to) {
         return Err(format!("channel {to} has no axis {name} in its list of axes"));
     }
-    let shown = Wait { named: Some(Set::default().with(to)), ..shown(meaning) };
-    Ok((leased, if to == channel { Meaning::Wait(shown) } else { Meaning::Act(Act::Give { key, to }, shown) }))
+    let shown = Wait { named: Some(ChannelSet::default().with(to)), ..shown(meaning) };
+    Ok((leased, if to == channel { Meaning::Wait(shown) } else { Meaning::Act(WaitOp::Give { key, to }, shown) }))
 }
 
 fn shown(meaning: Meaning) -> Wait {

@@ -17,14 +17,16 @@ mod statements;
 pub use leases::of_axis;
 pub use line_up::of_systems;
 pub use signals::{signal, signal_number, signal_wait};
-pub use statements::{Statement, by_statement, known_channel, operands};
+pub use statements::{WaitStatement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
-use counterpoint_sync::wait::{Absent, Act, Key, Lasts, Rule, Rules, Send, Set, Style, Wait};
+use counterpoint_sync::wait::{
+    Absent, ChannelSet, Lasts, Send, Wait, WaitMark, WaitNotation, WaitOp, WaitRule, WaitRules,
+};
 
 /// The rule of the start by a head; the marks of both heads follow.
 const START: u16 = 0;
@@ -53,12 +55,12 @@ pub enum Meaning {
     /// It waits.
     Wait(Wait),
     /// It does something for others, which is shown as this wait would be.
-    Act(Act, Wait),
+    Act(WaitOp, Wait),
 }
 
 /// Data of a block at a waiting code.
 #[derive(Debug, Clone, Copy)]
-pub struct Said {
+pub struct WaitArguments {
     /// Channel of the program.
     pub channel: u16,
     /// Number of the mark.
@@ -70,12 +72,12 @@ pub struct Said {
 /// The rules of all waits of a machine. The rules of a composite machine and of its components have the same numbers,
 /// regardless of their registers.
 #[must_use]
-pub fn rules(machine: &Machine) -> Rules {
-    let start = std::iter::once(Rule::plain("START"));
+pub fn rules(machine: &Machine) -> WaitRules {
+    let start = std::iter::once(WaitRule::plain("START"));
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
     let letters = ('A'..='Z').map(|letter| fanuc::rule(&letter.to_string()));
     let rows = machine.sync.waits.iter().map(|row| rule(machine, row));
-    Rules::new(
+    WaitRules::new(
         start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)).chain(coupling::rules(machine)),
     )
 }
@@ -105,8 +107,8 @@ fn letter(name: &str) -> char {
 }
 
 /// The rule of a row of `[[waits]]`.
-fn rule(machine: &Machine, row: &WaitRow) -> Rule {
-    Rule {
+fn rule(machine: &Machine, row: &WaitRow) -> WaitRule {
+    WaitRule {
         word: if row.signals.keys { signals::word(row) } else { row.word.as_str().into() },
         numbered: match &row.form {
             Some(form) => !matches!(form, CodeForm::Text(_)),
@@ -114,16 +116,16 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
         } || row.line_up,
         list: " P".into(),
         style: match row.form {
-            None if row.signals.keys => Style::Keys,
-            None => Style::Statement,
-            Some(_) if row.line_up => Style::LineUp,
-            Some(_) => Style::Word,
+            None if row.signals.keys => WaitNotation::Keys,
+            None => WaitNotation::Statement,
+            Some(_) if row.line_up => WaitNotation::LineUp,
+            Some(_) => WaitNotation::Word,
         },
         met_by: row.met_by,
         mismatch: match row.mismatch {
-            model::Mismatch::Free => None,
-            model::Mismatch::Fanuc => Some(fanuc::MISMATCH),
-            model::Mismatch::Siemens => Some(siemens::MISMATCH),
+            model::MismatchRule::Free => None,
+            model::MismatchRule::Fanuc => Some(fanuc::MISMATCH),
+            model::MismatchRule::Siemens => Some(siemens::MISMATCH),
         },
         absent: if row.absent_counts { Absent::Counts } else { Absent::Missed },
         signals: signals::rule(machine, row),
@@ -139,30 +141,30 @@ pub fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
 }
 
 /// All channels of the machine.
-fn all(machine: &Machine) -> Set {
+fn all(machine: &Machine) -> ChannelSet {
     machine.channels.iter().map(|channel| channel.number).collect()
 }
 
 /// The first two channels.
-pub fn heads(machine: &Machine) -> Set {
+pub fn heads(machine: &Machine) -> ChannelSet {
     machine.channels.iter().take(2).map(|channel| channel.number).collect()
 }
 
 /// The mark of both heads with one of their letters.
-pub fn head_mark(letter: char, number: u32, heads: Set) -> Wait {
+pub fn head_mark(letter: char, number: u32, heads: ChannelSet) -> Wait {
     let index = HEADS.iter().position(|head| *head == letter).unwrap_or(0);
     barrier(letter, number, (None, heads), START + 1 + index as u16)
 }
 
 /// The start of the other head by this one, and the wait of the other head for it.
-pub fn start(by: u16, heads: Set) -> (Act, Wait) {
-    let key = Key { space: 'S' as u16, number: u32::from(by) };
+pub fn start(by: u16, heads: ChannelSet) -> (WaitOp, Wait) {
+    let key = WaitMark { space: 'S' as u16, number: u32::from(by) };
     let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: START };
-    (Act::Signal(Send { key, to: heads.without(by), broadcast: false, lasts: Lasts::Each }), wait)
+    (WaitOp::Signal(Send { key, to: heads.without(by), broadcast: false, lasts: Lasts::Each }), wait)
 }
 
-fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: u16) -> Wait {
-    let key = Key { space: letter as u16, number };
+fn barrier(letter: char, number: u32, (named, parts): (Option<ChannelSet>, ChannelSet), rule: u16) -> Wait {
+    let key = WaitMark { space: letter as u16, number };
     Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule }
 }
 
@@ -170,7 +172,7 @@ fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: 
 ///
 /// # Errors
 /// Why its list of channels is not possible.
-pub fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
+pub fn meaning(machine: &Machine, code: &CodeRow, said: WaitArguments) -> Result<Meaning, String> {
     let index = machine.sync.waits.iter().position(|row| row.is_of(&code.form));
     match index.and_then(|index| Some((index, machine.sync.waits.get(index)?))) {
         Some((index, row)) => by_row(machine, (index as u16, row), said),
@@ -189,7 +191,7 @@ pub fn is_for_nobody(wait: &Wait, own: u16) -> bool {
 }
 
 /// A waiting code of the Fanuc kind.
-fn by_letter(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
+fn by_letter(machine: &Machine, code: &CodeRow, said: WaitArguments) -> Result<Meaning, String> {
     let register = register(&code.form);
     let name = register.map_or("M", |register| machine.registers[register].name.as_str());
     let rule = register.map_or(BARE, |_| of_letter(letter(name)));
@@ -205,11 +207,11 @@ fn register(form: &CodeForm) -> Option<RegisterId> {
 }
 
 /// A word or text of `[[waits]]`.
-fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Result<Meaning, String> {
+fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: WaitArguments) -> Result<Meaning, String> {
     let everybody = all(machine);
     let (named, parts) = match row.mismatch {
-        model::Mismatch::Fanuc => fanuc::participants(said, machine.sync.paths, everybody)?,
-        model::Mismatch::Free | model::Mismatch::Siemens => {
+        model::MismatchRule::Fanuc => fanuc::participants(said, machine.sync.paths, everybody)?,
+        model::MismatchRule::Free | model::MismatchRule::Siemens => {
             let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
             (named, named.unwrap_or(everybody).with(said.channel))
         }
@@ -221,7 +223,7 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
         (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
         _ => 0,
     };
-    let key = Key { space, number };
+    let key = WaitMark { space, number };
     Ok(of_row((index, row), key, (named, parts), said.channel))
 }
 
@@ -232,7 +234,12 @@ fn first_of_word(machine: &Machine, row: &WaitRow) -> u16 {
 }
 
 /// Meaning of a row for a mark and channels, in the channel with the number `own`.
-fn of_row((index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>, Set), own: u16) -> Meaning {
+fn of_row(
+    (index, row): (u16, &WaitRow),
+    key: WaitMark,
+    (named, parts): (Option<ChannelSet>, ChannelSet),
+    own: u16,
+) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };
     let rule = ROWS + index;
@@ -240,13 +247,13 @@ fn of_row((index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>,
     match row.act {
         // A word neither selects nor starts: the loader refuses that.
         WaitAct::Wait | WaitAct::Select | WaitAct::Start => Meaning::Wait(wait),
-        WaitAct::Set => Meaning::Act(Act::Set(key), wait),
-        WaitAct::Clear => Meaning::Act(Act::Clear(key), wait),
+        WaitAct::Set => Meaning::Act(WaitOp::Set(key), wait),
+        WaitAct::Clear => Meaning::Act(WaitOp::Clear(key), wait),
         WaitAct::Signal => {
             let send = Send { key, to: parts.without(own), broadcast, lasts: Lasts::Each };
-            Meaning::Act(Act::Signal(send), wait)
+            Meaning::Act(WaitOp::Signal(send), wait)
         }
-        WaitAct::Release => Meaning::Act(Act::Release(key), wait),
-        WaitAct::Take | WaitAct::Give => Meaning::Act(Act::Take(key), wait),
+        WaitAct::Release => Meaning::Act(WaitOp::Release(key), wait),
+        WaitAct::Take | WaitAct::Give => Meaning::Act(WaitOp::Take(key), wait),
     }
 }

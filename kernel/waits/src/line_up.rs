@@ -10,7 +10,7 @@ use counterpoint_machine::rows::CodeForm;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::line_up::LineUp;
 use counterpoint_program::sources::SeenSources;
-use counterpoint_sync::wait::{Key, Set};
+use counterpoint_sync::wait::{ChannelSet, WaitMark};
 
 use super::{BY_ROW, Meaning, all, of_row};
 
@@ -37,17 +37,17 @@ pub fn of_systems(
             everybody.count()
         )));
     }
-    let mut parts = Set(named.into()).with(channel);
+    let mut parts = ChannelSet(named.into()).with(channel);
     if parts.count() == 1 {
         let others = info.channels.iter().filter(|other| !other.program.is_empty());
         let users = others.filter(|other| {
             sources.whole(other.file).is_some_and(|file| file.seen_by(other.number).lines_up(mark, label, systems))
         });
-        parts = users.map(|user| user.number).collect::<Set>().with(channel);
+        parts = users.map(|user| user.number).collect::<ChannelSet>().with(channel);
     }
     if parts.count() == 1 {
         parts = everybody;
     }
-    let key = Key { space: BY_ROW + index as u16, number: label };
+    let key = WaitMark { space: BY_ROW + index as u16, number: label };
     Some(Ok(of_row((index as u16, row), key, (None, parts), channel)))
 }

@@ -3,11 +3,11 @@
 //! Facts: reference channel-synchronisation.md 1.4. The alarm is for display only; the waits continue.
 
 use counterpoint_event::event::Primitive;
-use counterpoint_sync::wait::{Mismatch, Reaction, Wait};
+use counterpoint_sync::wait::{MismatchCheck, Reaction, Wait};
 
 /// Alarm 16949.
-pub(super) const MISMATCH: Mismatch =
-    Mismatch { refuses, title: "16949 marks of channels do not correspond", reaction: Reaction::Warning };
+pub(super) const MISMATCH: MismatchCheck =
+    MismatchCheck { refuses, title: "16949 marks of channels do not correspond", reaction: Reaction::Warning };
 
 /// Channels that wait at the same mark with different lists, of which one concerns the other.
 fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
@@ -19,13 +19,13 @@ fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoint_sync::wait::{Key, Set};
+    use counterpoint_sync::wait::{ChannelSet, WaitMark};
 
     #[test]
     fn lists_correspond_when_they_are_equal_or_have_nobody_in_common() {
         let wait = |number, channels: &[u16]| {
-            let parts: Set = channels.iter().copied().collect();
-            let key = Key { space: 0, number };
+            let parts: ChannelSet = channels.iter().copied().collect();
+            let key = WaitMark { space: 0, number };
             Wait { primitive: Primitive::Flag, key, named: Some(parts), parts, need: 0, rule: 0 }
         };
         for (one, other, warns) in [

@@ -8,7 +8,7 @@
 use counterpoint_dialect::Signal;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
-use counterpoint_sync::wait::{Key, Lasts, Send, Set, Signals, Wait};
+use counterpoint_sync::wait::{ChannelSet, Lasts, Send, SignalRules, Wait, WaitMark};
 
 use super::statements::{find, known_channel};
 use super::{ROWS, all};
@@ -22,10 +22,10 @@ pub(super) fn word(row: &WaitRow) -> Box<str> {
 }
 
 /// The signal rules of a row.
-pub(super) fn rule(machine: &Machine, row: &WaitRow) -> Signals {
+pub(super) fn rule(machine: &Machine, row: &WaitRow) -> SignalRules {
     let sends = |other: &&WaitRow| other.signals.keys && other.act == WaitAct::Signal;
     let waits = row.signals.keys && row.primitive == Primitive::Signal && row.act == WaitAct::Wait;
-    Signals {
+    SignalRules {
         sent_by: machine.sync.waits.iter().find(sends).filter(|_| waits).map(word),
         to_itself: row.signals.keys,
         in_order: row.signals.in_order,
@@ -48,8 +48,8 @@ pub fn signal_number(machine: &Machine, statement: &str, number: f64) -> Result<
 }
 
 /// Channels of a list.
-fn channels(machine: &Machine, numbers: &[f64]) -> Result<Option<Set>, String> {
-    let mut named = Set::default();
+fn channels(machine: &Machine, numbers: &[f64]) -> Result<Option<ChannelSet>, String> {
+    let mut named = ChannelSet::default();
     for number in numbers {
         let whole = if number.fract() == 0.0 && number.abs() < 1e9 { *number as i64 } else { -1 };
         let channel =
@@ -64,9 +64,9 @@ fn read<'m>(
     machine: &'m Machine,
     statement: &str,
     signal: &Signal,
-) -> Result<(u16, &'m WaitRow, Key, Option<Set>), String> {
+) -> Result<(u16, &'m WaitRow, WaitMark, Option<ChannelSet>), String> {
     let (index, row) = find(machine, statement).ok_or_else(|| format!("{statement} is not known"))?;
-    let key = Key { space: 0, number: signal_number(machine, statement, signal.number)? };
+    let key = WaitMark { space: 0, number: signal_number(machine, statement, signal.number)? };
     Ok((ROWS + index, row, key, channels(machine, &signal.channels)?))
 }
 

@@ -7,16 +7,16 @@
 use counterpoint_dialect::Operands;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
-use counterpoint_sync::wait::{Key, Set};
+use counterpoint_sync::wait::{ChannelSet, WaitMark};
 
 use super::{Meaning, all, of_row};
 
 /// The effect of a statement.
-pub enum Statement {
+pub enum WaitStatement {
     /// It waits, or lets others continue.
     Meaning(Meaning),
     /// It starts these channels.
-    Start(Set),
+    Start(ChannelSet),
 }
 
 /// Waits of this primitive have a mark.
@@ -57,21 +57,21 @@ pub fn by_statement(
     channel: u16,
     mark: i64,
     channels: &[i64],
-) -> Result<Statement, String> {
+) -> Result<WaitStatement, String> {
     let (index, row) = find(machine, name).ok_or_else(|| format!("{name} is not known"))?;
     let number = u32::try_from(mark).ok().filter(|mark| *mark <= row.highest);
     let number = number.ok_or_else(|| format!("mark {mark} is not possible, only 0 to {}", row.highest))?;
     let everybody = all(machine);
-    let mut named = Set::default();
+    let mut named = ChannelSet::default();
     for &number in channels {
         named = named.with(known_channel(machine, number)?);
     }
     if row.act == WaitAct::Start {
-        return Ok(Statement::Start(named));
+        return Ok(WaitStatement::Start(named));
     }
     let parts = if channels.is_empty() { everybody } else { named.with(channel) };
     let named = (!channels.is_empty()).then_some(named);
-    Ok(Statement::Meaning(of_row((index, row), Key { space: 0, number }, (named, parts), channel)))
+    Ok(WaitStatement::Meaning(of_row((index, row), WaitMark { space: 0, number }, (named, parts), channel)))
 }
 
 /// A channel of the machine by its number.

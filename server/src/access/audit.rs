@@ -37,7 +37,7 @@ pub(crate) struct Audit {
 }
 
 #[derive(Clone, Serialize)]
-struct Line<'a> {
+struct AuditLine<'a> {
     time_ms: i64,
     /// Of several calls without lines, the address or network alone.
     peer: &'a str,
@@ -56,7 +56,7 @@ struct Line<'a> {
     left_out: u64,
 }
 
-impl<'a> Line<'a> {
+impl<'a> AuditLine<'a> {
     /// A line of a call with the current time.
     fn of(identity: Option<&'a Identity>, call: &'a str) -> Self {
         Self {
@@ -135,9 +135,9 @@ impl Audit {
 
     /// Notes the targets of a change before it is made.
     pub(crate) fn note_asked(&self, peer: SocketAddr, identity: &Identity, call: &str, targets: &[String]) {
-        let line = Line { code: ASKED.to_owned(), ..Line::of(Some(identity), call) };
+        let line = AuditLine { code: ASKED.to_owned(), ..AuditLine::of(Some(identity), call) };
         let peer = &*peer.to_string();
-        targets.iter().for_each(|target| self.write(&Line { peer, target, ..line.clone() }));
+        targets.iter().for_each(|target| self.write(&AuditLine { peer, target, ..line.clone() }));
     }
 
     /// Notes a call with its targets, its code and, if it was refused, the reason.
@@ -166,10 +166,10 @@ impl Audit {
             }
         }
         let (peer, reason) = (&*peer.to_string(), cut(reason, REASON));
-        let line = Line { peer, code: format!("{code:?}"), reason, left_out, ..Line::of(identity, call) };
+        let line = AuditLine { peer, code: format!("{code:?}"), reason, left_out, ..AuditLine::of(identity, call) };
         let none = [String::new()];
         for target in if targets.is_empty() { &none[..] } else { targets } {
-            self.write(&Line { target, ..line.clone() });
+            self.write(&AuditLine { target, ..line.clone() });
         }
     }
 
@@ -184,10 +184,10 @@ impl Audit {
     fn left_out(&self, (address, left_out): LeftOut) {
         let address = address.map(|address| address.to_string());
         let peer = address.as_deref().unwrap_or("other addresses");
-        self.write(&Line { peer, left_out, ..Line::of(None, "") });
+        self.write(&AuditLine { peer, left_out, ..AuditLine::of(None, "") });
     }
 
-    fn write(&self, line: &Line<'_>) {
+    fn write(&self, line: &AuditLine<'_>) {
         // A failed write may have left part of its line.
         let mut text = if self.failed.load(Ordering::Relaxed) { vec![b'\n'] } else { Vec::new() };
         if serde_json::to_writer(&mut text, line).is_err() {

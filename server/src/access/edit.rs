@@ -11,11 +11,11 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 use toml_edit::{DocumentMut, Item, Table};
 
-use super::file::Known;
+use super::file::KnownIdentities;
 
 /// A token as the file has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
+pub struct TokenRecord {
     /// Name in the audit log.
     pub name: String,
     /// Tenant of its caller.
@@ -28,7 +28,7 @@ pub struct Row {
     pub expires_s: Option<u64>,
 }
 
-impl Row {
+impl TokenRecord {
     fn read(table: &Table) -> Self {
         let text = |key: &str| table.get(key).and_then(Item::as_str).unwrap_or_default().to_owned();
         let expires_s = table.get("expires_s").and_then(Item::as_integer).and_then(|at| at.try_into().ok());
@@ -40,8 +40,11 @@ impl Row {
 ///
 /// # Errors
 /// When the file cannot be read or has an error.
-pub fn rows(path: &Path) -> Result<Vec<Row>, String> {
-    named(path, read(path).and_then(|text| parsed(&text)).map(|document| tables(&document).map(Row::read).collect()))
+pub fn rows(path: &Path) -> Result<Vec<TokenRecord>, String> {
+    named(
+        path,
+        read(path).and_then(|text| parsed(&text)).map(|document| tables(&document).map(TokenRecord::read).collect()),
+    )
 }
 
 /// Adds a row to a file, which is created if it does not exist.
@@ -71,7 +74,7 @@ fn read(path: &Path) -> Result<String, String> {
 }
 
 fn parsed(text: &str) -> Result<DocumentMut, String> {
-    Known::parse(text)?;
+    KnownIdentities::parse(text)?;
     let document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     match document.get("token") {
         Some(item) if !item.is_array_of_tables() => {
@@ -88,7 +91,7 @@ fn tables(document: &DocumentMut) -> impl Iterator<Item = &Table> {
 /// The text without the row of a token.
 fn without(text: &str, sha256: &str) -> Result<String, String> {
     let mut document = parsed(text)?;
-    let at = tables(&document).position(|table| Row::read(table).sha256 == sha256);
+    let at = tables(&document).position(|table| TokenRecord::read(table).sha256 == sha256);
     let removed = document.get_mut("token").and_then(Item::as_array_of_tables_mut).zip(at);
     let Some((place, head)) = removed.and_then(|(tokens, at)| {
         let table = tokens.get(at)?;

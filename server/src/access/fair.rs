@@ -36,7 +36,7 @@ pub(crate) type OthersWork = Box<dyn Fn(&str) -> bool + Send + Sync>;
 
 #[derive(Default)]
 struct All {
-    callers: Mutex<HashMap<Arc<Identity>, Own>>,
+    callers: Mutex<HashMap<Arc<Identity>, IdentityCalls>>,
     others_work: OnceLock<OthersWork>,
 }
 
@@ -48,17 +48,17 @@ impl Debug for Fair {
 
 /// Calls of an identity.
 #[derive(Debug)]
-struct Own {
+struct IdentityCalls {
     /// Short calls in hand.
     active: usize,
-    waiting: VecDeque<oneshot::Sender<Turn>>,
+    waiting: VecDeque<oneshot::Sender<CallTurn>>,
     /// When it called last.
     at: Instant,
     /// Whether jobs of other tenants wait or run, and until when that is believed.
     others_work: Option<(bool, Instant)>,
 }
 
-impl Own {
+impl IdentityCalls {
     fn idle(&self) -> bool {
         self.active == 0 && self.waiting.is_empty()
     }
@@ -66,28 +66,28 @@ impl Own {
 
 /// A short call in hand, until it is dropped.
 #[derive(Debug)]
-pub(crate) struct Turn(Part);
+pub(crate) struct CallTurn(IdentityHandle);
 
 /// A call that lasts: its identity counts as calling while its data flow.
 #[derive(Debug, Clone)]
-pub(crate) struct Stay {
-    part: Arc<Part>,
+pub(crate) struct LongCall {
+    part: Arc<IdentityHandle>,
     /// When the identity was counted last.
     at: Arc<Mutex<Instant>>,
 }
 
-struct Part {
+struct IdentityHandle {
     all: Arc<All>,
     identity: Arc<Identity>,
 }
 
-impl Debug for Part {
+impl Debug for IdentityHandle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Part").field(&self.identity).finish()
+        f.debug_tuple("IdentityHandle").field(&self.identity).finish()
     }
 }
 
-type Callers = HashMap<Arc<Identity>, Own>;
+type Callers = HashMap<Arc<Identity>, IdentityCalls>;
 
 /// Most short calls that an identity may have in hand now.
 fn most(callers: &mut Callers, identity: &Arc<Identity>, now: Instant) -> usize {
@@ -123,8 +123,8 @@ impl All {
 }
 
 /// The entry of an identity that calls now.
-fn called<'a>(callers: &'a mut Callers, identity: &Arc<Identity>, now: Instant) -> &'a mut Own {
-    let new = || Own { active: 0, waiting: VecDeque::new(), at: now, others_work: None };
+fn called<'a>(callers: &'a mut Callers, identity: &Arc<Identity>, now: Instant) -> &'a mut IdentityCalls {
+    let new = || IdentityCalls { active: 0, waiting: VecDeque::new(), at: now, others_work: None };
     let own = callers.entry(identity.clone()).or_insert_with(new);
     own.at = now;
     own
@@ -137,13 +137,13 @@ impl Fair {
     }
 
     /// The turn of a short call, or where it comes.
-    fn ask(&self, identity: &Arc<Identity>, now: Instant) -> Result<Turn, oneshot::Receiver<Turn>> {
+    fn ask(&self, identity: &Arc<Identity>, now: Instant) -> Result<CallTurn, oneshot::Receiver<CallTurn>> {
         let mut callers = self.0.lock();
         let may = self.0.may(&mut callers, identity, now);
         let own = called(&mut callers, identity, now);
         if may {
             own.active += 1;
-            return Ok(Turn(Part { all: self.0.clone(), identity: identity.clone() }));
+            return Ok(CallTurn(IdentityHandle { all: self.0.clone(), identity: identity.clone() }));
         }
         let (send, receive) = oneshot::channel();
         own.waiting.push_back(send);
@@ -152,7 +152,7 @@ impl Fair {
 
     /// Waits for the turn of a short call, and says so with `waits`. `None` never comes up: a call that waits has
     /// others of its identity in hand before it.
-    pub(crate) async fn turn(&self, identity: &Arc<Identity>, waits: impl FnOnce()) -> Option<Turn> {
+    pub(crate) async fn turn(&self, identity: &Arc<Identity>, waits: impl FnOnce()) -> Option<CallTurn> {
         match self.ask(identity, Instant::now()) {
             Ok(turn) => Some(turn),
             Err(comes) => {
@@ -163,15 +163,15 @@ impl Fair {
     }
 
     /// Counts a call that lasts, whose request has come.
-    pub(crate) fn stay(&self, identity: &Arc<Identity>) -> Stay {
+    pub(crate) fn stay(&self, identity: &Arc<Identity>) -> LongCall {
         let now = Instant::now();
         called(&mut self.0.lock(), identity, now);
-        let part = Arc::new(Part { all: self.0.clone(), identity: identity.clone() });
-        Stay { part, at: Arc::new(Mutex::new(now)) }
+        let part = Arc::new(IdentityHandle { all: self.0.clone(), identity: identity.clone() });
+        LongCall { part, at: Arc::new(Mutex::new(now)) }
     }
 }
 
-impl Stay {
+impl LongCall {
     /// Data of the call flow. A heartbeat has few bytes and is no work.
     pub(crate) fn flows(&self, bytes: usize, now: Instant) {
         let mut at = self.at.lock().unwrap_or_else(PoisonError::into_inner);
@@ -182,9 +182,9 @@ impl Stay {
     }
 }
 
-impl Drop for Turn {
+impl Drop for CallTurn {
     fn drop(&mut self) {
-        let Part { all, identity } = &self.0;
+        let IdentityHandle { all, identity } = &self.0;
         let mut unwanted = Vec::new();
         let mut callers = all.lock();
         let now = Instant::now();
@@ -195,7 +195,7 @@ impl Drop for Turn {
             let Some(own) = callers.get_mut(identity) else { break };
             let Some(next) = own.waiting.pop_front().filter(|next| !next.is_closed()) else { continue };
             own.active += 1;
-            let turn = Turn(Part { all: all.clone(), identity: identity.clone() });
+            let turn = CallTurn(IdentityHandle { all: all.clone(), identity: identity.clone() });
             unwanted.extend(next.send(turn).err());
         }
         // Turns that came too late are given back without the lock.

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use super::jwt::{Key, KeyRow};
+use super::jwt::{KeyRow, VerificationKey};
 use super::{Identity, Role, token};
 use crate::option_file::OptionFile;
 use crate::tenant::{is_tenant, no_tenant};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct IdentityFile {
     #[serde(default)]
     token: Vec<TokenRow>,
     #[serde(default)]
@@ -43,7 +43,7 @@ struct CertificateRow {
 }
 
 #[derive(Debug)]
-struct Token {
+struct KnownToken {
     digest: [u8; 32],
     expires_s: Option<u64>,
     identity: Arc<Identity>,
@@ -51,14 +51,14 @@ struct Token {
 
 /// Identities of the file.
 #[derive(Debug)]
-pub(super) struct Known {
+pub(super) struct KnownIdentities {
     /// By the first bytes of their digests.
-    tokens: HashMap<[u8; 8], Vec<Token>>,
+    tokens: HashMap<[u8; 8], Vec<KnownToken>>,
     certificates: HashMap<String, Arc<Identity>>,
-    keys: HashMap<String, Key>,
+    keys: HashMap<String, VerificationKey>,
 }
 
-impl Known {
+impl KnownIdentities {
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let file = OptionFile::new("access", path);
         let text = String::from_utf8(file.read()?).map_err(|error| file.wrong(error))?;
@@ -66,13 +66,13 @@ impl Known {
     }
 
     pub(super) fn parse(text: &str) -> Result<Self, String> {
-        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+        let file: IdentityFile = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut known = Self { tokens: HashMap::new(), certificates: HashMap::new(), keys: HashMap::new() };
         for row in file.token {
             let digest = bytes(&row.sha256)
                 .ok_or_else(|| format!("token '{}': sha256 must be 64 lower-case hexadecimal digits", row.name))?;
             let identity = identity(&format!("token '{}'", row.name), row.name, row.tenant, row.role)?;
-            let token = Token { digest, expires_s: row.expires_s, identity };
+            let token = KnownToken { digest, expires_s: row.expires_s, identity };
             known.tokens.entry(first(&digest)).or_default().push(token);
         }
         for row in file.certificate {
@@ -86,7 +86,7 @@ impl Known {
         for row in file.key {
             let place = format!("key '{}'", row.kid);
             let kid = row.kid.clone();
-            let key = Key::new(row).map_err(|error| format!("{place}: {error}"))?;
+            let key = VerificationKey::new(row).map_err(|error| format!("{place}: {error}"))?;
             if known.keys.insert(kid, key).is_some() {
                 return Err(format!("{place} is there twice"));
             }
@@ -148,7 +148,7 @@ mod tests {
     fn a_created_token_is_known_until_it_expires() {
         let (token, row) = token::create("ci", "milling", Role::Submit, Some(1000)).unwrap();
         let (other, _) = token::create("ci", "milling", Role::Submit, None).unwrap();
-        let known = Known::parse(&row).unwrap();
+        let known = KnownIdentities::parse(&row).unwrap();
         let (identity, until) = known.token(&token, 999).unwrap();
         assert_eq!((identity.name.as_str(), identity.tenant.as_str(), identity.role), ("ci", "milling", Role::Submit));
         assert_eq!(until, 1000);
@@ -172,14 +172,15 @@ mod tests {
             ("[[key]]\nkid = \"k\"\nalgorithm = \"EdDSA\"\npublic_key = \"x\"\nmost = \"read\"", "key 'k': public_key"),
         ];
         for (text, part) in wrong {
-            let error = Known::parse(text).unwrap_err();
+            let error = KnownIdentities::parse(text).unwrap_err();
             assert!(error.contains(part), "{text}: {error}");
         }
     }
 
     #[test]
     fn names_of_certificates_do_not_depend_on_case() {
-        let known = Known::parse("[[certificate]]\nname = \"Cell.Example\"\ntenant = \"t\"\nrole = \"read\"").unwrap();
+        let known = KnownIdentities::parse("[[certificate]]\nname = \"Cell.Example\"\ntenant = \"t\"\nrole = \"read\"")
+            .unwrap();
         assert!(known.certificate(&["other".to_owned(), "cell.example".to_owned()]).is_some());
         assert!(known.certificate(&[]).is_none() && known.certificate(&["cell".to_owned()]).is_none());
     }

@@ -39,7 +39,7 @@ pub(super) struct KeyRow {
 
 /// A key that verifies tokens.
 #[derive(Debug)]
-pub(super) struct Key {
+pub(super) struct VerificationKey {
     key: DecodingKey,
     validation: Validation,
     tenants: Vec<String>,
@@ -54,7 +54,7 @@ struct Claims {
     exp: u64,
 }
 
-impl Key {
+impl VerificationKey {
     pub(super) fn new(row: KeyRow) -> Result<Self, String> {
         static PROVIDER: CryptoProvider = CryptoProvider {
             signer_factory: |_, _| Err(new_error(ErrorKind::InvalidAlgorithm)),

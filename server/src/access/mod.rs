@@ -1,6 +1,6 @@
 //! Access control: identities with tenant and role, from tokens, signed tokens and client certificates.
 //!
-//! `Access` is asked before a call reaches its service. Invariants: a tenant comes from the identity only, never from
+//! `AccessControl` is asked before a call reaches its service. Invariants: a tenant comes from the identity only, never from
 //! a request; a call that the table of `calls` does not know is refused; without a file of identities every caller
 //! is the administrator of the tenant `default`, which is allowed on loopback only unless the owner insists.
 
@@ -34,10 +34,10 @@ use crate::reason::Refusal;
 use crate::tenant;
 use calls::Needs;
 use fair::Fair;
-use file::Known;
-pub(crate) use rate::{Held, LONGEST};
-use rate::{Rates, Turn};
-use refused::Refused;
+use file::KnownIdentities;
+pub(crate) use rate::{DeferredCall, LONGEST};
+use rate::{IdentityRateLimiter, RateDecision};
+use refused::AddressRateLimiter;
 
 /// Rights of an identity; each role also has the rights of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -125,7 +125,7 @@ impl Caller {
         Self { identity, targets: Arc::default() }
     }
 
-    /// The caller of a request that has passed [`Access::admit`].
+    /// The caller of a request that has passed [`AccessControl::admit`].
     pub(crate) fn of<T>(request: &Request<T>) -> Result<Self, Status> {
         let nobody = || Refusal::Unauthenticated("the call has no identity".to_owned()).into();
         request.extensions().get().cloned().ok_or_else(nobody)
@@ -190,7 +190,7 @@ pub(crate) struct Admitted {
     /// `None` for a call that needs no identity.
     pub(crate) caller: Option<Caller>,
     /// Time until its turn; it counts as waiting while the second part lives.
-    pub(crate) wait: Option<(Duration, Held)>,
+    pub(crate) wait: Option<(Duration, DeferredCall)>,
 }
 
 /// Names in the certificate that the client of a connection has shown.
@@ -204,31 +204,31 @@ const MOST_VERIFIED: usize = 4096;
 
 /// Decides about calls.
 #[derive(Debug)]
-pub(crate) struct Access {
+pub(crate) struct AccessControl {
     path: Option<PathBuf>,
     /// `None` = every caller is the administrator.
-    known: RwLock<Option<Arc<Known>>>,
+    known: RwLock<Option<Arc<KnownIdentities>>>,
     verified: Mutex<Verified>,
-    rates: Rates,
-    refused: Mutex<Refused>,
+    rates: IdentityRateLimiter,
+    refused: Mutex<AddressRateLimiter>,
     pub(crate) fair: Fair,
     anonymous: Arc<Identity>,
     /// How often the file of identities was read again.
     reloads: watch::Sender<u64>,
 }
 
-impl Access {
+impl AccessControl {
     /// Reads the file of identities, if there is one.
     pub(crate) fn open(options: &Guard) -> Result<Self, String> {
         let path = Some(options.access.clone()).filter(|path| !path.as_os_str().is_empty());
-        let known = path.as_ref().map(|path| Known::read(path).map(Arc::new)).transpose()?;
+        let known = path.as_ref().map(|path| KnownIdentities::read(path).map(Arc::new)).transpose()?;
         let anonymous = Identity { name: "anonymous".to_owned(), tenant: tenant::default(), role: Role::Admin };
         Ok(Self {
             path,
             known: RwLock::new(known),
             verified: Mutex::default(),
-            rates: Rates::new(options.max_calls_per_s),
-            refused: Mutex::new(Refused::new(options.max_refused_per_s)),
+            rates: IdentityRateLimiter::new(options.max_calls_per_s),
+            refused: Mutex::new(AddressRateLimiter::new(options.max_refused_per_s)),
             fair: Fair::default(),
             anonymous: Arc::new(anonymous),
             reloads: watch::Sender::new(0),
@@ -238,7 +238,7 @@ impl Access {
     /// Reads the file of identities again; the old ones stay when it has an error.
     pub(crate) fn reload(&self) -> Result<(), String> {
         let Some(path) = &self.path else { return Ok(()) };
-        let known = Arc::new(Known::read(path)?);
+        let known = Arc::new(KnownIdentities::read(path)?);
         *self.known.write().unwrap_or_else(PoisonError::into_inner) = Some(known);
         self.verified.lock().unwrap_or_else(PoisonError::into_inner).clear();
         self.reloads.send_modify(|reloads| *reloads += 1);
@@ -273,9 +273,9 @@ impl Access {
             return Err((Some(caller), too_low(role)));
         }
         match self.rates.take(&caller.identity, Instant::now()) {
-            Turn::Now => Ok(Admitted { caller: Some(caller), wait: None }),
-            Turn::After(wait, held) => Ok(Admitted { caller: Some(caller), wait: Some((wait, held)) }),
-            Turn::Never(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
+            RateDecision::Now => Ok(Admitted { caller: Some(caller), wait: None }),
+            RateDecision::After(wait, held) => Ok(Admitted { caller: Some(caller), wait: Some((wait, held)) }),
+            RateDecision::Never(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
         }
     }
 
@@ -311,7 +311,7 @@ impl Access {
         }
     }
 
-    fn signed(&self, known: &Known, token: &str) -> Result<(Arc<Identity>, u64), Refusal> {
+    fn signed(&self, known: &KnownIdentities, token: &str) -> Result<(Arc<Identity>, u64), Refusal> {
         let digest = token::digest(token);
         let verified = || self.verified.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((identity, until)) = verified().get(&digest)

@@ -12,17 +12,17 @@ const ADDRESSES: usize = 4096;
 
 /// The calls that an address may still make.
 #[derive(Debug, Clone, Copy)]
-struct Bucket {
+struct AddressBucket {
     at: Instant,
     calls: f64,
 }
 
 /// The buckets.
 #[derive(Debug)]
-pub(super) struct Refused {
+pub(super) struct AddressRateLimiter {
     /// 0 = without limit.
     per_s: u32,
-    buckets: HashMap<Option<IpAddr>, Bucket>,
+    buckets: HashMap<Option<IpAddr>, AddressBucket>,
 }
 
 /// The address by which a caller is known: of IPv6 the network, since a host has any number of addresses in it.
@@ -33,7 +33,7 @@ pub(super) fn known_by(address: IpAddr) -> IpAddr {
     }
 }
 
-impl Refused {
+impl AddressRateLimiter {
     pub(super) fn new(per_s: u32) -> Self {
         Self { per_s, buckets: HashMap::new() }
     }
@@ -51,7 +51,7 @@ impl Refused {
                 key = None;
             }
         }
-        let bucket = self.buckets.entry(key).or_insert(Bucket { at: now, calls: rate });
+        let bucket = self.buckets.entry(key).or_insert(AddressBucket { at: now, calls: rate });
         let gained = now.saturating_duration_since(bucket.at).as_secs_f64() * rate;
         (bucket.at, bucket.calls) = (bucket.at.max(now), (bucket.calls + gained).min(rate));
         if bucket.calls >= 1.0 {
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn an_address_has_its_rate_and_no_other_pays_for_it() {
-        let (mut refused, now) = (Refused::new(5), Instant::now());
+        let (mut refused, now) = (AddressRateLimiter::new(5), Instant::now());
         let one: IpAddr = "10.0.0.1".parse().unwrap();
         assert!((0..5).all(|_| refused.count(one, now).is_none()));
         assert_eq!(refused.count(one, now), Some(Duration::from_millis(200)));
@@ -78,13 +78,13 @@ mod tests {
         assert_eq!([0; 3].map(|_| refused.count(one, later).is_none()), [true, true, false]);
         let network = |host: u64| IpAddr::from(Ipv6Addr::from_bits((0x2001_0db8 << 96) | u128::from(host)));
         assert_eq!((0..100).filter(|host| refused.count(network(*host), now).is_none()).count(), 5);
-        let mut unlimited = Refused::new(0);
+        let mut unlimited = AddressRateLimiter::new(0);
         assert!((0..1000).all(|_| unlimited.count(one, now).is_none()));
     }
 
     #[test]
     fn many_addresses_take_bounded_memory() {
-        let (mut refused, now) = (Refused::new(1), Instant::now());
+        let (mut refused, now) = (AddressRateLimiter::new(1), Instant::now());
         let answered =
             (0..50_000u32).filter(|number| refused.count(number.to_be_bytes().into(), now).is_none()).count();
         assert_eq!((refused.buckets.len(), answered), (ADDRESSES + 1, ADDRESSES + 1));

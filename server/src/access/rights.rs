@@ -9,7 +9,7 @@ use http::HeaderValue;
 use tokio::sync::watch;
 use tokio::time::sleep;
 
-use super::{Access, Caller, CertificateNames, Role, jwt};
+use super::{AccessControl, Caller, CertificateNames, Role, jwt};
 use crate::reason::Refusal;
 
 /// Shortest time between two looks at an identity that is about to expire.
@@ -28,7 +28,7 @@ pub(crate) struct Rights {
     reloads: watch::Receiver<u64>,
 }
 
-impl Access {
+impl AccessControl {
     /// The rights of a call that has been admitted.
     pub(crate) fn rights(
         &self,

@@ -17,7 +17,7 @@ const ADDRESSES: usize = 4096;
 
 /// The refused calls of an address.
 #[derive(Debug, Clone, Copy)]
-struct Calls {
+struct RefusedCalls {
     since: Instant,
     lines: u32,
     left_out: u64,
@@ -25,7 +25,7 @@ struct Calls {
 
 /// Refused calls of strangers; those of addresses without room have no address.
 #[derive(Debug, Default)]
-pub(super) struct Strangers(HashMap<Option<IpAddr>, Calls>);
+pub(super) struct Strangers(HashMap<Option<IpAddr>, RefusedCalls>);
 
 /// Calls of an address that have no line.
 pub(super) type LeftOut = (Option<IpAddr>, u64);
@@ -35,7 +35,7 @@ impl Strangers {
     pub(super) fn refused(&mut self, address: IpAddr, now: Instant) -> Option<LeftOut> {
         let key = Some(known_by(address));
         let key = key.filter(|_| self.0.contains_key(&key) || self.0.len() < ADDRESSES);
-        let calls = self.0.entry(key).or_insert(Calls { since: now, lines: 0, left_out: 0 });
+        let calls = self.0.entry(key).or_insert(RefusedCalls { since: now, lines: 0, left_out: 0 });
         if now.duration_since(calls.since) >= SPAN {
             (calls.since, calls.lines) = (now, 0);
         }

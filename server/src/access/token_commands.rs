@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::edit::{self, Row};
+use super::edit::{self, TokenRecord};
 use super::{Role, token};
 use crate::output;
 
@@ -127,8 +127,8 @@ fn file<'a>(given: Option<&'a Path>, configured: &'a Path) -> Result<&'a Path, S
 }
 
 /// A token as lists show it.
-fn shown(row: &Row, now_s: u64) -> String {
-    let Row { name, tenant, role, sha256, expires_s } = row;
+fn shown(row: &TokenRecord, now_s: u64) -> String {
+    let TokenRecord { name, tenant, role, sha256, expires_s } = row;
     let expiry = match expires_s {
         None => "never expires".to_owned(),
         Some(at) if *at <= now_s => "expired".to_owned(),
@@ -142,9 +142,9 @@ fn shown(row: &Row, now_s: u64) -> String {
 }
 
 /// The one token that a text names.
-fn chosen(rows: &[Row], text: &str, now_s: u64) -> Result<Row, String> {
-    let begins = |row: &Row| text.len() >= FEWEST && row.sha256.starts_with(text);
-    let found: Vec<&Row> = rows.iter().filter(|row| row.name == text || begins(row)).collect();
+fn chosen(rows: &[TokenRecord], text: &str, now_s: u64) -> Result<TokenRecord, String> {
+    let begins = |row: &TokenRecord| text.len() >= FEWEST && row.sha256.starts_with(text);
+    let found: Vec<&TokenRecord> = rows.iter().filter(|row| row.name == text || begins(row)).collect();
     match found.as_slice() {
         [] => Err(format!("no token has the name '{text}' or a digest that begins so: `token list` shows them")),
         [row] => Ok((*row).clone()),
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_token_is_named_by_its_name_or_its_digest_and_never_chosen_among_several() {
-        let row = |name: &str, digit: &str, expires_s| Row {
+        let row = |name: &str, digit: &str, expires_s| TokenRecord {
             name: name.to_owned(),
             tenant: "t".to_owned(),
             role: "read".to_owned(),

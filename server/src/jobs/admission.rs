@@ -10,7 +10,7 @@ use tokio::sync::futures::Notified;
 use super::Core;
 use super::live::lock;
 use crate::ledger::NewJob;
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::reason::Refusal;
 
 /// Why a submit has no place in the queue.
@@ -65,8 +65,8 @@ fn has_place(most: usize, all: usize, own: usize) -> bool {
 impl Core {
     /// A place in the queue for a submit in progress, released when dropped.
     fn reserve(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, NoPlace> {
-        struct Place(Arc<Core>, String);
-        impl Drop for Place {
+        struct QueueReservation(Arc<Core>, String);
+        impl Drop for QueueReservation {
             fn drop(&mut self) {
                 let mut queue = lock(&self.0.board.queue);
                 let left = queue.reserved.get_mut(&self.1).map(|own| {
@@ -99,12 +99,12 @@ impl Core {
             return Err(NoPlace { refusal, reserved: has_place(places, listed, waiting) });
         }
         *queue.reserved.entry(tenant.to_owned()).or_default() += 1;
-        Ok(Place(self.clone(), tenant.to_owned()))
+        Ok(QueueReservation(self.clone(), tenant.to_owned()))
     }
 }
 
 /// The answer to a submit that repeats an earlier one.
-pub(super) fn known(core: &Core, job: &NewJob) -> Result<Option<(Box<Record>, bool)>, Refusal> {
+pub(super) fn known(core: &Core, job: &NewJob) -> Result<Option<(Box<JobRecord>, bool)>, Refusal> {
     let NewJob { record, work } = job;
     let Some(known) = core.ledger.by_request(&record.tenant, &record.request_id)? else { return Ok(None) };
     let same = match known.asks_the_same(record) {
@@ -124,14 +124,14 @@ pub(crate) fn known_by_content(
     tenant: &str,
     request_id: &str,
     content: &str,
-) -> Result<Option<Box<Record>>, Refusal> {
+) -> Result<Option<Box<JobRecord>>, Refusal> {
     match core.ledger.by_request(tenant, request_id)?.filter(|known| known.content == content) {
         Some(known) => Ok(Some(repeat(core, known)?.0)),
         None => Ok(None),
     }
 }
 
-fn repeat(core: &Core, known: Record) -> Result<(Box<Record>, bool), Refusal> {
+fn repeat(core: &Core, known: JobRecord) -> Result<(Box<JobRecord>, bool), Refusal> {
     core.answered(&known)?;
     Ok((Box::new(core.current(known)), true))
 }

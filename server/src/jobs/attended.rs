@@ -6,10 +6,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use counterpoint_kernel::dialog::answers::Answer;
-use counterpoint_kernel::dialog::operator::{Operator, Question, Silence};
+use counterpoint_kernel::dialog::answers::DialogAnswer;
+use counterpoint_kernel::dialog::operator::{DialogOperator, OpenDialog, Silence};
 
-use super::operator::{Desk, Outcome};
+use super::operator::{Desk, QuestionOutcome};
 use crate::ledger::Ledger;
 use crate::ledger::settled::Settled;
 
@@ -17,28 +17,28 @@ use crate::ledger::settled::Settled;
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// The operator of the run of a job.
-pub(super) struct Attended {
+pub(super) struct DeskOperator {
     pub(super) ledger: Arc<dyn Ledger>,
     pub(super) desk: Arc<Desk>,
     /// Id of the job.
     pub(super) job: String,
 }
 
-impl Operator for Attended {
-    fn ask(&self, question: &Question<'_>) -> Result<Answer, Silence> {
+impl DialogOperator for DeskOperator {
+    fn ask(&self, question: &OpenDialog<'_>) -> Result<DialogAnswer, Silence> {
         match self.desk.put(question) {
-            Outcome::Answered(answer) => answer,
-            Outcome::Unanswered(number) => {
+            QuestionOutcome::Answered(answer) => answer,
+            QuestionOutcome::Unanswered(number) => {
                 let answer = Err(Silence::Late);
                 self.store(&Settled { channel: question.channel, question: number, answer });
                 Err(Silence::Late)
             }
-            Outcome::Closed => Err(Silence::Closed),
+            QuestionOutcome::Closed => Err(Silence::Closed),
         }
     }
 }
 
-impl Attended {
+impl DeskOperator {
     /// Stores an outcome. While the ledger cannot be written, the kernel waits, unless the run is to end.
     fn store(&self, settled: &Settled) {
         while let Err(error) = self.ledger.answered_blocking(self.job.clone(), settled.clone()) {

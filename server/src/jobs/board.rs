@@ -12,27 +12,27 @@ use tokio::sync::{Notify, watch};
 
 use super::feed::Feed;
 use super::limits::late;
-use super::live::{Live, lock};
+use super::live::{LiveJob, lock};
 use super::recent::Recent;
 use super::suspicion::time_alone;
-use super::tally::Tally;
+use super::tally::JobTally;
 use super::{Core, worker};
 use crate::clock::Clock;
-use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
-use crate::memory::Memory;
-use crate::queue::{Entry, Look, Queue, Ticket};
+use crate::ledger::record::{Cause, JobRecord, JobState, ReachedLimit, now_ms};
+use crate::memory::MemoryBudget;
+use crate::queue::{EnqueueReason, Queue, SchedulingState, Ticket};
 
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// The queue, and places in it.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct QueueState {
     pub(super) jobs: Box<dyn Queue>,
     /// Places given to submits whose ledger entry is in progress, by tenant.
     pub(super) reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
-    suspended: BTreeMap<String, Arc<Live>>,
+    suspended: BTreeMap<String, Arc<LiveJob>>,
     /// Busy jobs whose marks say that they use no processor time.
     pub(super) idle: BTreeSet<String>,
     /// Cleared suspects that the ledger still holds as suspects.
@@ -42,8 +42,8 @@ pub(super) struct Waiting {
 /// Jobs in memory.
 #[derive(Debug)]
 pub(super) struct Board {
-    pub(super) live: DashMap<String, Arc<Live>>,
-    pub(super) queue: Mutex<Waiting>,
+    pub(super) live: DashMap<String, Arc<LiveJob>>,
+    pub(super) queue: Mutex<QueueState>,
     /// A reserved place was released.
     pub(super) released: Notify,
     recent: Mutex<Recent>,
@@ -54,10 +54,10 @@ pub(super) struct Board {
     /// since 1970.
     pub(super) shown_waits: Mutex<BTreeMap<String, i64>>,
     /// Memory of jobs here, of submits in progress and of answers not yet sent.
-    pub(super) memory: Arc<Memory>,
+    pub(super) memory: Arc<MemoryBudget>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
-    pub(super) tally: Tally,
+    pub(super) tally: JobTally,
     /// The time by which jobs end.
     pub(super) clock: Clock,
     /// When the jobs were last looked after.
@@ -66,7 +66,7 @@ pub(super) struct Board {
 
 /// The work of the workers.
 pub(crate) struct Busy {
-    pub(crate) running: Vec<Arc<Live>>,
+    pub(crate) running: Vec<Arc<LiveJob>>,
     pub(crate) storing: usize,
     pub(crate) queued: usize,
 }
@@ -75,7 +75,7 @@ impl Board {
     pub(super) fn new(queue: Box<dyn Queue>, clock: Clock, epoch: u64, memory_bytes: u64) -> Self {
         Self {
             live: DashMap::new(),
-            queue: Mutex::new(Waiting {
+            queue: Mutex::new(QueueState {
                 jobs: queue,
                 reserved: HashMap::new(),
                 suspended: BTreeMap::new(),
@@ -87,9 +87,9 @@ impl Board {
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
             shown_waits: Mutex::default(),
-            memory: Memory::new(memory_bytes),
+            memory: MemoryBudget::new(memory_bytes),
             running: watch::Sender::new(0),
-            tally: Tally::default(),
+            tally: JobTally::default(),
             clock,
             ticked: Mutex::new(Instant::now()),
         }
@@ -103,17 +103,17 @@ impl Board {
 }
 
 /// Why and with that where a job waits that no worker has had.
-fn entry(live: &Live) -> Entry {
-    let mut entry = Entry::Accepted(Instant::now());
+fn entry(live: &LiveJob) -> EnqueueReason {
+    let mut entry = EnqueueReason::Accepted(Instant::now());
     live.peek(|record| match (record.paused, record.runs.suspect) {
-        (true, _) => entry = Entry::Paused,
-        (false, true) => entry = Entry::Suspect(time_alone(record.runs.crashes.at_work)),
+        (true, _) => entry = EnqueueReason::Paused,
+        (false, true) => entry = EnqueueReason::Suspect(time_alone(record.runs.crashes.at_work)),
         (false, false) => {}
     });
     entry
 }
 
-fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
+fn push(queue: &mut dyn Queue, live: &LiveJob, entry: EnqueueReason) {
     live.peek(|record| {
         let (tenant, priority) = (record.tenant.as_str(), record.asked.priority);
         queue.push(Ticket { id: &record.id, tenant, priority }, entry);
@@ -122,14 +122,14 @@ fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
 
 impl Core {
     /// Takes up a job, once.
-    pub(super) fn admit(&self, live: Arc<Live>) {
+    pub(super) fn admit(&self, live: Arc<LiveJob>) {
         if self.enter(&live) {
             self.wait_in_queue(&live);
         }
     }
 
     /// Adds a job to those in memory; `false` if it is there.
-    pub(super) fn enter(&self, live: &Arc<Live>) -> bool {
+    pub(super) fn enter(&self, live: &Arc<LiveJob>) -> bool {
         let mut new = false;
         self.board.live.entry(live.id.clone()).or_insert_with(|| {
             new = true;
@@ -139,14 +139,14 @@ impl Core {
     }
 
     /// Lets a job that is in memory wait for its turn.
-    pub(super) fn wait_in_queue(&self, live: &Live) {
+    pub(super) fn wait_in_queue(&self, live: &LiveJob) {
         self.mind_deadline(live);
         push(&mut *lock(&self.board.queue).jobs, live, entry(live));
         self.changed(live);
     }
 
     /// Has the job ended at its deadline if it has one and waits then.
-    fn mind_deadline(&self, live: &Live) {
+    fn mind_deadline(&self, live: &LiveJob) {
         live.peek(|record| {
             if record.asked.deadline_ms > 0 {
                 lock(&self.board.deadlines).insert((record.asked.deadline_ms, live.id.clone()));
@@ -155,17 +155,17 @@ impl Core {
     }
 
     /// Holds a job back that waits; `false` if it does not wait, or is to be cancelled.
-    pub(super) fn hold(&self, live: &Live) -> bool {
+    pub(super) fn hold(&self, live: &LiveJob) -> bool {
         let mut queue = lock(&self.board.queue);
         let held = !live.cancelled() && queue.jobs.remove(&live.id);
         if held {
-            push(&mut *queue.jobs, live, Entry::Paused);
+            push(&mut *queue.jobs, live, EnqueueReason::Paused);
         }
         held
     }
 
     /// Lets a job that is held back wait for a worker.
-    pub(super) fn release(self: &Arc<Self>, live: &Live) {
+    pub(super) fn release(self: &Arc<Self>, live: &LiveJob) {
         {
             let mut queue = lock(&self.board.queue);
             if queue.jobs.is_paused(&live.id) && queue.jobs.remove(&live.id) {
@@ -177,7 +177,7 @@ impl Core {
     }
 
     /// Tells those who follow many jobs that one has changed.
-    pub(super) fn changed(&self, live: &Live) {
+    pub(super) fn changed(&self, live: &LiveJob) {
         live.peek(|record| self.board.feed.changed(&record.tenant, &record.id));
     }
 
@@ -189,18 +189,18 @@ impl Core {
     }
 
     /// Suspends and resumes runs; the next job, if a worker is to have one and there are disk space and a ledger.
-    pub(super) fn take(&self) -> Option<Arc<Live>> {
+    pub(super) fn take(&self) -> Option<Arc<LiveJob>> {
         let waits = lock(&self.board.queue).jobs.waiting() > 0;
         self.next(waits && *self.ledger.writable().borrow() && self.room().is_ok())
     }
 
-    fn next(&self, starts: bool) -> Option<Arc<Live>> {
+    fn next(&self, starts: bool) -> Option<Arc<LiveJob>> {
         let mut queue = lock(&self.board.queue);
         let starts = starts && !self.drain.begun();
         let waits_for_client = |id: &str| self.live(id).is_some_and(|live| live.waits_for_client());
         loop {
             let (room, now) = (self.has_memory(&queue), Instant::now());
-            let id = queue.jobs.next(&Look {
+            let id = queue.jobs.next(&SchedulingState {
                 slots: self.options.slots(),
                 starts,
                 room,
@@ -218,7 +218,7 @@ impl Core {
     }
 
     /// Whether there is memory for runs beyond twice `workers`.
-    fn has_memory(&self, queue: &Waiting) -> bool {
+    fn has_memory(&self, queue: &QueueState) -> bool {
         let most = self.options.maxima.memory_bytes;
         if most == 0 || queue.jobs.workers() < self.options.slots().saturating_mul(2) {
             return true;
@@ -242,14 +242,14 @@ impl Core {
 
     /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile. The caller
     /// takes it.
-    pub(super) fn leave(&self, live: &Live) {
+    pub(super) fn leave(&self, live: &LiveJob) {
         let mut queue = lock(&self.board.queue);
         queue.jobs.store(&live.id, Instant::now());
         self.share_cores(&mut queue);
     }
 
     /// Suspends and resumes jobs as the queue wants it.
-    fn share_cores(&self, queue: &mut Waiting) {
+    fn share_cores(&self, queue: &mut QueueState) {
         let (wanted, now) = (queue.jobs.suspended(), Instant::now());
         queue.suspended.retain(|id, live| {
             let stays = wanted.contains(id);
@@ -275,7 +275,7 @@ impl Core {
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
-    pub(super) fn free(self: &Arc<Self>, live: &Live) {
+    pub(super) fn free(self: &Arc<Self>, live: &LiveJob) {
         {
             let mut queue = lock(&self.board.queue);
             queue.jobs.free(&live.id, Instant::now());
@@ -296,26 +296,30 @@ impl Core {
     }
 
     /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
-    pub(super) fn again(&self, live: &Live, failures: u32) {
+    pub(super) fn again(&self, live: &LiveJob, failures: u32) {
         self.back(live, FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE));
     }
 
     /// A worker is free again: the run was dropped and its job is held back, if it still is to be.
-    pub(super) fn aside(self: &Arc<Self>, live: &Live) {
+    pub(super) fn aside(self: &Arc<Self>, live: &LiveJob) {
         self.mind_deadline(live);
         self.back(live, Duration::ZERO);
         self.pump();
     }
 
     /// Takes a job from its worker and lets it wait for the next run until the pause is over, or held back.
-    fn back(&self, live: &Live, pause: Duration) {
+    fn back(&self, live: &LiveJob, pause: Duration) {
         {
             let (mut queue, now) = (lock(&self.board.queue), Instant::now());
             queue.jobs.free(&live.id, now);
             self.share_cores(&mut queue);
             self.host.unmark(&live.id);
             // A cancel comes after the job left the queue, or finds it there.
-            let entry = if live.paused() && !live.cancelled() { Entry::Paused } else { Entry::Again(now + pause) };
+            let entry = if live.paused() && !live.cancelled() {
+                EnqueueReason::Paused
+            } else {
+                EnqueueReason::Again(now + pause)
+            };
             push(&mut *queue.jobs, live, entry);
             self.board.running.send_replace(queue.jobs.busy_count());
         }
@@ -347,12 +351,12 @@ impl Core {
     }
 
     /// Ends a job that has been withdrawn, because its deadline is over.
-    fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
+    fn end_late(self: &Arc<Self>, live: &Arc<LiveJob>, deadline: i64) {
         let record = live.record();
-        let mut ended = Record { state: State::Failed, paused: false, ..record };
+        let mut ended = JobRecord { state: JobState::Failed, paused: false, ..record };
         ended.end(&self.board.clock);
         ended.runs.limit = late(deadline, None);
-        (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
+        (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(ReachedLimit::Deadline));
         // The verdict is that of a started job, so that the answer does not depend on timing.
         ended.verdict.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(vec![ended.clone()]) {
@@ -399,7 +403,7 @@ impl Core {
 
     /// Jobs of a tenant that are held back.
     pub(crate) fn held_back(&self, tenant: &str) -> BTreeSet<String> {
-        let held = |live: &Live| live.peek(|record| record.tenant == tenant && record.paused);
+        let held = |live: &LiveJob| live.peek(|record| record.tenant == tenant && record.paused);
         self.board.live.iter().filter(|live| held(live)).map(|live| live.id.clone()).collect()
     }
 
@@ -413,7 +417,7 @@ impl Core {
 
     /// Interrupts all running jobs; they are queued again in the ledger.
     pub(crate) fn interrupt(&self) {
-        self.board.live.iter().filter(|live| live.state() == State::Running).for_each(|live| live.interrupt());
+        self.board.live.iter().filter(|live| live.state() == JobState::Running).for_each(|live| live.interrupt());
     }
 
     /// Jobs that are likely to run before this one.
@@ -427,8 +431,8 @@ impl Core {
     }
 
     /// Lets a job wait again that was withdrawn.
-    pub(super) fn put_back(&self, live: &Live) {
-        let entry = if live.paused() { Entry::Paused } else { Entry::Again(Instant::now()) };
+    pub(super) fn put_back(&self, live: &LiveJob) {
+        let entry = if live.paused() { EnqueueReason::Paused } else { EnqueueReason::Again(Instant::now()) };
         push(&mut *lock(&self.board.queue).jobs, live, entry);
     }
 }

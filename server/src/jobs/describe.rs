@@ -1,26 +1,26 @@
 //! The fixed facts of a job, and its status, in wire form.
 
-use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::log::info::{Info, Unit};
-use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
+use counterpoint_kernel::log::info::{Info, MachineUnit};
+use counterpoint_kernel::options::{JobLimits, JobOptions, RacePolicy, TimeModel};
 use counterpoint_proto::v1;
 
 use crate::ledger::first_error::FirstError;
-use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State, Work};
+use crate::ledger::record::{CONTENT, Cause, JobRecord, JobState, JobWork, Priority, ReachedLimit, Reason};
 use crate::reason::without_paths;
 
 /// The description that is at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
     let unit = match info.unit {
-        Unit::Mm => v1::LengthUnit::Mm,
-        Unit::Inch => v1::LengthUnit::Inch,
+        MachineUnit::Mm => v1::LengthUnit::Mm,
+        MachineUnit::Inch => v1::LengthUnit::Inch,
     };
-    let axis = |axis: &counterpoint_kernel::log::info::Axis| v1::AxisDescription {
+    let axis = |axis: &counterpoint_kernel::log::info::JobAxis| v1::AxisDescription {
         name: axis.name.clone(),
         rotary: axis.rotary,
         diameter: axis.diameter,
     };
-    let channel = |channel: &counterpoint_kernel::log::info::Channel| v1::ChannelDescription {
+    let channel = |channel: &counterpoint_kernel::log::info::JobChannel| v1::ChannelDescription {
         number: u32::from(channel.number),
         name: channel.name.clone(),
         program: channel.program.clone(),
@@ -37,13 +37,13 @@ pub(crate) fn description(info: &Info) -> v1::JobDescription {
 }
 
 /// A state on the wire.
-pub(crate) fn state(state: State) -> v1::JobState {
+pub(crate) fn state(state: JobState) -> v1::JobState {
     match state {
-        State::Queued => v1::JobState::Queued,
-        State::Running => v1::JobState::Running,
-        State::Succeeded => v1::JobState::Succeeded,
-        State::Failed => v1::JobState::Failed,
-        State::Cancelled => v1::JobState::Cancelled,
+        JobState::Queued => v1::JobState::Queued,
+        JobState::Running => v1::JobState::Running,
+        JobState::Succeeded => v1::JobState::Succeeded,
+        JobState::Failed => v1::JobState::Failed,
+        JobState::Cancelled => v1::JobState::Cancelled,
     }
 }
 
@@ -54,8 +54,8 @@ pub(crate) fn finding(reason: Reason) -> v1::Finding {
 }
 
 /// The status of a job.
-pub(crate) fn status(record: Record) -> v1::JobStatus {
-    let program = |p: counterpoint_kernel::job::Program| v1::Program {
+pub(crate) fn status(record: JobRecord) -> v1::JobStatus {
+    let program = |p: counterpoint_kernel::job::ProgramSelection| v1::Program {
         path: p.file,
         number: p.number,
         section: p.section,
@@ -122,24 +122,24 @@ fn error(error: FirstError) -> v1::JobError {
     v1::JobError { number, text: without_paths(&text).into_owned(), file, line, channel: channel.into() }
 }
 
-fn limit(reached: Option<Reached>) -> v1::JobLimit {
+fn limit(reached: Option<ReachedLimit>) -> v1::JobLimit {
     match reached {
         None => v1::JobLimit::Unspecified,
-        Some(Reached::WallMs) => v1::JobLimit::WallMs,
-        Some(Reached::MaxJobBytes) => v1::JobLimit::MaxJobBytes,
-        Some(Reached::Deadline) => v1::JobLimit::Deadline,
-        Some(Reached::SimulatedNs) => v1::JobLimit::SimulatedNs,
-        Some(Reached::Blocks) => v1::JobLimit::Blocks,
-        Some(Reached::ZeroTimeBlocks) => v1::JobLimit::ZeroTimeBlocks,
-        Some(Reached::Events) => v1::JobLimit::Events,
-        Some(Reached::Memory) => v1::JobLimit::Memory,
-        Some(Reached::MacroSteps) => v1::JobLimit::MacroSteps,
+        Some(ReachedLimit::WallMs) => v1::JobLimit::WallMs,
+        Some(ReachedLimit::MaxJobBytes) => v1::JobLimit::MaxJobBytes,
+        Some(ReachedLimit::Deadline) => v1::JobLimit::Deadline,
+        Some(ReachedLimit::SimulatedNs) => v1::JobLimit::SimulatedNs,
+        Some(ReachedLimit::Blocks) => v1::JobLimit::Blocks,
+        Some(ReachedLimit::ZeroTimeBlocks) => v1::JobLimit::ZeroTimeBlocks,
+        Some(ReachedLimit::Events) => v1::JobLimit::Events,
+        Some(ReachedLimit::Memory) => v1::JobLimit::Memory,
+        Some(ReachedLimit::MacroSteps) => v1::JobLimit::MacroSteps,
     }
 }
 
 /// The options of a job as they were submitted.
-pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
-    let Options {
+pub(crate) fn options(record: &JobRecord, work: &JobWork) -> v1::JobOptions {
+    let JobOptions {
         opskip,
         opstop,
         ignore_waits,
@@ -160,7 +160,7 @@ pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
     let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
     let limits = record.asked.limits.clone().or_else(early);
     let own = (record.runs.wall_ms, record.runs.max_job_bytes);
-    let none = Limits {
+    let none = JobLimits {
         simulated_ns: 0,
         blocks: 0,
         zero_time_blocks: 0,
@@ -197,9 +197,9 @@ pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
         lint,
         parameters,
         races: match races {
-            Races::Off => v1::RaceCheck::Unspecified,
-            Races::Warn => v1::RaceCheck::Warn,
-            Races::Alarm => v1::RaceCheck::Alarm,
+            RacePolicy::Off => v1::RaceCheck::Unspecified,
+            RacePolicy::Warn => v1::RaceCheck::Warn,
+            RacePolicy::Alarm => v1::RaceCheck::Alarm,
         } as i32,
         time: match time {
             TimeModel::Full => v1::TimeModel::Unspecified,
@@ -211,12 +211,12 @@ pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
     }
 }
 
-fn answer(answer: Answer) -> v1::DialogAnswer {
+fn answer(answer: DialogAnswer) -> v1::DialogAnswer {
     use v1::dialog_value::Value as Wire;
     let value = |value| match value {
-        Value::Flag(flag) => Wire::Flag(flag),
-        Value::Number(number) => Wire::Number(number),
-        Value::Text(text) => Wire::Text(text),
+        DialogValue::Flag(flag) => Wire::Flag(flag),
+        DialogValue::Number(number) => Wire::Number(number),
+        DialogValue::Text(text) => Wire::Text(text),
     };
     let values = answer.values.into_iter();
     v1::DialogAnswer {

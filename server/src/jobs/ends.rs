@@ -10,21 +10,21 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use super::Core;
-use super::live::Live;
-use crate::ledger::record::{Record, State};
+use super::live::LiveJob;
+use crate::ledger::record::{JobRecord, JobState};
 use crate::log::writer::Small;
 use crate::reason::Refusal;
-use crate::spans::Spans;
+use crate::spans::JobSpans;
 use crate::webhooks::Webhooks;
 
 /// Time between two attempts to make the end of a job durable.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// The end of a job.
-pub(super) struct End {
+pub(super) struct JobEnd {
     core: Arc<Core>,
-    live: Arc<Live>,
-    record: Record,
+    live: Arc<LiveJob>,
+    record: JobRecord,
     /// Its log, if that is small.
     log: Option<Small>,
 }
@@ -32,22 +32,22 @@ pub(super) struct End {
 /// Ends that the ledger has answered, and where spans and messages of jobs go.
 #[derive(Debug)]
 pub(crate) struct Ends {
-    answered: Sender<(End, Result<(), Refusal>)>,
-    spans: Spans,
+    answered: Sender<(JobEnd, Result<(), Refusal>)>,
+    spans: JobSpans,
     webhooks: Webhooks,
 }
 
 impl Ends {
     /// Starts the thread; it ends with the last handle.
-    pub(super) fn start(spans: Spans, webhooks: Webhooks) -> io::Result<Self> {
+    pub(super) fn start(spans: JobSpans, webhooks: Webhooks) -> io::Result<Self> {
         let (answered, receive) = channel();
         std::thread::Builder::new().name("ends".to_owned()).spawn(move || finish(&receive))?;
         Ok(Self { answered, spans, webhooks })
     }
 }
 
-impl End {
-    pub(super) fn new(core: &Arc<Core>, live: &Arc<Live>, record: Record, log: Option<Small>) -> Self {
+impl JobEnd {
+    pub(super) fn new(core: &Arc<Core>, live: &Arc<LiveJob>, record: JobRecord, log: Option<Small>) -> Self {
         Self { core: core.clone(), live: live.clone(), record, log }
     }
 
@@ -70,13 +70,15 @@ impl End {
         if let Some(log) = log.filter(|_| record.state.ended()) {
             live.tail().set(log.bytes.len() as u64, log.last_seq);
         }
-        live.change(|now| *now = Record { cancel: now.cancel, paused: now.paused && !record.state.ended(), ..record });
+        live.change(|now| {
+            *now = JobRecord { cancel: now.cancel, paused: now.paused && !record.state.ended(), ..record }
+        });
         core.free(&live);
     }
 }
 
-fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
-    let mut waiting: Vec<End> = Vec::new();
+fn finish(ends: &Receiver<(JobEnd, Result<(), Refusal>)>) {
+    let mut waiting: Vec<JobEnd> = Vec::new();
     let mut due = Instant::now();
     loop {
         let next = match waiting.is_empty() {
@@ -88,8 +90,8 @@ fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
             Ok((end, Ok(()))) => end.show(),
             Ok((end, Err(error))) if end.core.drain.begun() => {
                 tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
-                let record = Record { state: State::Queued, ..end.live.record() };
-                End { record, log: None, ..end }.show();
+                let record = JobRecord { state: JobState::Queued, ..end.live.record() };
+                JobEnd { record, log: None, ..end }.show();
             }
             Ok((end, Err(_))) => {
                 if waiting.is_empty() {
@@ -97,7 +99,7 @@ fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
                 }
                 waiting.push(end);
             }
-            Err(RecvTimeoutError::Timeout) => waiting.drain(..).for_each(End::keep),
+            Err(RecvTimeoutError::Timeout) => waiting.drain(..).for_each(JobEnd::keep),
             Err(RecvTimeoutError::Disconnected) => return,
         }
     }
@@ -105,12 +107,12 @@ fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
 
 impl Core {
     /// Lets monitoring see that a job has ended; others are left out.
-    pub(super) fn ended(&self, record: &Record) {
+    pub(super) fn ended(&self, record: &JobRecord) {
         self.metrics.ended(match record.state {
-            State::Queued | State::Running => return,
-            State::Succeeded => "SUCCEEDED",
-            State::Failed => "FAILED",
-            State::Cancelled => "CANCELLED",
+            JobState::Queued | JobState::Running => return,
+            JobState::Succeeded => "SUCCEEDED",
+            JobState::Failed => "FAILED",
+            JobState::Cancelled => "CANCELLED",
         });
         if let Some(reached) = record.runs.reached {
             self.metrics.limit(reached.name());

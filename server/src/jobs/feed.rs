@@ -21,14 +21,14 @@ const CHANGES: u32 = 20;
 
 /// A job has changed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Change {
+pub(crate) struct JobChange {
     pub(crate) id: Arc<str>,
     tenant: Arc<str>,
     /// Keys by which a removed job was found.
     pub(crate) removed: Option<Arc<Removed>>,
 }
 
-impl Change {
+impl JobChange {
     /// Memory that it takes about.
     fn bytes(&self) -> usize {
         let removed = self.removed.as_ref().map_or(0, |removed| {
@@ -50,21 +50,21 @@ pub(crate) struct Removed {
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Changes {
     /// Of one tenant, oldest first; a job that has changed several times is at its last change.
-    pub(crate) changes: Vec<Change>,
+    pub(crate) changes: Vec<JobChange>,
     pub(crate) cursor: u64,
 }
 
 /// Changes and their bytes.
 #[derive(Debug, Default)]
-struct Remembered {
-    changes: VecDeque<Change>,
+struct RecentChanges {
+    changes: VecDeque<JobChange>,
     bytes: usize,
 }
 
 /// The feed.
 #[derive(Debug)]
 pub(crate) struct Feed {
-    changes: Mutex<Remembered>,
+    changes: Mutex<RecentChanges>,
     /// Cursor of the newest change.
     last: watch::Sender<u64>,
     most: usize,
@@ -75,7 +75,7 @@ impl Feed {
         Self { changes: Mutex::default(), last: watch::Sender::new(epoch << CHANGES), most: MOST }
     }
 
-    fn push(&self, change: Change) {
+    fn push(&self, change: JobChange) {
         let mut remembered = lock(&self.changes);
         remembered.bytes += change.bytes();
         remembered.changes.push_back(change);
@@ -88,12 +88,12 @@ impl Feed {
 
     /// A job has changed.
     pub(super) fn changed(&self, tenant: &str, id: &str) {
-        self.push(Change { id: id.into(), tenant: tenant.into(), removed: None });
+        self.push(JobChange { id: id.into(), tenant: tenant.into(), removed: None });
     }
 
     /// A job was removed.
     pub(super) fn removed(&self, tenant: &str, id: &str, removed: Removed) {
-        self.push(Change { id: id.into(), tenant: tenant.into(), removed: Some(Arc::new(removed)) });
+        self.push(JobChange { id: id.into(), tenant: tenant.into(), removed: Some(Arc::new(removed)) });
     }
 
     /// The cursor of the newest change, to be followed.
@@ -113,7 +113,7 @@ impl Feed {
         let Some(known) = usize::try_from(cursor - oldest).ok().filter(|_| cursor <= last) else {
             return Err(Refusal::CursorBeyondLog { after: cursor, last });
         };
-        let mut found: Vec<Change> = Vec::new();
+        let mut found: Vec<JobChange> = Vec::new();
         let mut reached = last;
         for (change, at) in changes.iter().skip(known).zip(cursor + 1..) {
             if &*change.tenant != tenant {
@@ -171,7 +171,7 @@ mod tests {
         }
         let kept = lock(&feed.changes);
         assert!(kept.bytes <= MOST_BYTES && kept.changes.len() > 500, "{}: {}", kept.changes.len(), kept.bytes);
-        assert_eq!(kept.bytes, kept.changes.iter().map(Change::bytes).sum::<usize>());
+        assert_eq!(kept.bytes, kept.changes.iter().map(JobChange::bytes).sum::<usize>());
         drop(kept);
         assert!(matches!(feed.after("t", start, 1), Err(Refusal::CursorTooOld { .. })));
     }

@@ -7,20 +7,20 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
-use counterpoint_kernel::files::{Error, Files};
+use counterpoint_kernel::files::{FileError, JobFiles};
 
 use crate::blobs::Blobs;
 use crate::reason::Refusal;
 
 /// The files of one job.
 #[derive(Debug)]
-pub(crate) struct Sandbox {
+pub(crate) struct JobSandbox {
     blobs: Arc<dyn Blobs>,
     files: BTreeMap<String, String>,
     trouble: OnceLock<Refusal>,
 }
 
-impl Sandbox {
+impl JobSandbox {
     pub(crate) fn new(blobs: Arc<dyn Blobs>, files: Vec<(String, String)>) -> Self {
         Self { blobs, files: files.into_iter().collect(), trouble: OnceLock::new() }
     }
@@ -31,13 +31,13 @@ impl Sandbox {
     }
 }
 
-impl Files for Sandbox {
-    fn read(&self, path: &str) -> Result<Bytes, Error> {
-        let digest = self.files.get(path).ok_or_else(|| Error::Missing(path.to_owned()))?;
+impl JobFiles for JobSandbox {
+    fn read(&self, path: &str) -> Result<Bytes, FileError> {
+        let digest = self.files.get(path).ok_or_else(|| FileError::Missing(path.to_owned()))?;
         self.blobs.read(digest).map_err(|error| {
             let reason = error.to_string();
             let _ = self.trouble.set(error.into());
-            Error::Unreadable { name: path.to_owned(), reason }
+            FileError::Unreadable { name: path.to_owned(), reason }
         })
     }
 

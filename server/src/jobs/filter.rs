@@ -10,13 +10,13 @@ use uuid::Uuid;
 use super::Core;
 use super::feed::Removed;
 use crate::ledger::prefix::IdPrefix;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 use crate::ledger::{Query, time_of};
 use crate::reason::Refusal;
 
 /// Conditions on jobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Filter {
+pub(crate) struct JobConditions {
     pub(crate) states: States,
     machine: Option<String>,
     labels: BTreeMap<String, String>,
@@ -26,13 +26,13 @@ pub(crate) struct Filter {
 }
 
 /// States of jobs that have not ended, and of jobs that have.
-pub(crate) const OPEN: [State; 2] = [State::Queued, State::Running];
-pub(crate) const ENDED: [State; 3] = [State::Succeeded, State::Failed, State::Cancelled];
+pub(crate) const OPEN: [JobState; 2] = [JobState::Queued, JobState::Running];
+pub(crate) const ENDED: [JobState; 3] = [JobState::Succeeded, JobState::Failed, JobState::Cancelled];
 
 /// Jobs in one of the states, and perhaps those that are held back; neither = all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct States {
-    of: BTreeSet<State>,
+    of: BTreeSet<JobState>,
     paused: bool,
 }
 
@@ -42,11 +42,11 @@ impl States {
         let mut states = Self::default();
         for (at, number) in numbers.iter().enumerate() {
             let state = match v1::JobState::try_from(*number) {
-                Ok(v1::JobState::Queued) => State::Queued,
-                Ok(v1::JobState::Running) => State::Running,
-                Ok(v1::JobState::Succeeded) => State::Succeeded,
-                Ok(v1::JobState::Failed) => State::Failed,
-                Ok(v1::JobState::Cancelled) => State::Cancelled,
+                Ok(v1::JobState::Queued) => JobState::Queued,
+                Ok(v1::JobState::Running) => JobState::Running,
+                Ok(v1::JobState::Succeeded) => JobState::Succeeded,
+                Ok(v1::JobState::Failed) => JobState::Failed,
+                Ok(v1::JobState::Cancelled) => JobState::Cancelled,
                 Ok(v1::JobState::Paused) => {
                     states.paused = true;
                     continue;
@@ -65,13 +65,13 @@ impl States {
     }
 
     /// The part of a choice that is among these states; none if no job can be there.
-    pub(crate) fn among(&self, states: &[State]) -> Option<Self> {
+    pub(crate) fn among(&self, states: &[JobState]) -> Option<Self> {
         if self.is_empty() {
             return Some(Self { of: states.iter().copied().collect(), paused: false });
         }
         let of = self.of.iter().copied().filter(|state| states.contains(state)).collect();
         // Only a job that has not ended is held back.
-        Some(Self { of, paused: self.paused && states.contains(&State::Queued) }).filter(|part| !part.is_empty())
+        Some(Self { of, paused: self.paused && states.contains(&JobState::Queued) }).filter(|part| !part.is_empty())
     }
 
     /// Jobs that two choices have in common; none if no job can be in both.
@@ -88,12 +88,12 @@ impl States {
         Ok(self.among(&other.of.into_iter().collect::<Vec<_>>()))
     }
 
-    fn take(&self, record: &Record) -> bool {
+    fn take(&self, record: &JobRecord) -> bool {
         self.is_empty() || self.of.contains(&record.state) || self.paused && record.paused
     }
 }
 
-impl Filter {
+impl JobConditions {
     /// A filter from the wire.
     pub(crate) fn read(filter: v1::JobFilter) -> Result<Self, Refusal> {
         for (field, ms) in [("filter.from_ms", filter.from_ms), ("filter.until_ms", filter.until_ms)] {
@@ -141,7 +141,7 @@ impl Filter {
     }
 
     /// Whether a job is wanted.
-    pub(crate) fn takes(&self, record: &Record) -> bool {
+    pub(crate) fn takes(&self, record: &JobRecord) -> bool {
         let accepted_ms = Uuid::try_parse(&record.id).map_or(record.submitted_ms, time_of);
         self.states.take(record)
             && self.found_by(&record.machine.full_name(), &record.asked.labels)

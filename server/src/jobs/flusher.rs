@@ -8,14 +8,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
-use super::live::Live;
+use super::live::LiveJob;
 
 /// Longest time that an event of a watched job stays in memory only.
 const DELAY: Duration = Duration::from_millis(5);
 
 /// Jobs whose logs are to be written soon, in the order of their time.
 #[derive(Debug, Clone)]
-pub(crate) struct Flusher(Sender<(Instant, Weak<Live>)>);
+pub(crate) struct Flusher(Sender<(Instant, Weak<LiveJob>)>);
 
 impl Flusher {
     /// Starts the thread; it ends with the last handle.
@@ -26,13 +26,13 @@ impl Flusher {
     }
 
     /// Has the log of a job written after the delay.
-    pub(super) fn later(&self, live: &Arc<Live>) {
+    pub(super) fn later(&self, live: &Arc<LiveJob>) {
         // Without the thread the server is ending.
         let _ = self.0.send((Instant::now() + DELAY, Arc::downgrade(live)));
     }
 }
 
-fn flush(jobs: &Receiver<(Instant, Weak<Live>)>) {
+fn flush(jobs: &Receiver<(Instant, Weak<LiveJob>)>) {
     while let Ok((at, live)) = jobs.recv() {
         std::thread::sleep(at.saturating_duration_since(Instant::now()));
         if let Some(live) = live.upgrade() {

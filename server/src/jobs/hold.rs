@@ -7,12 +7,12 @@
 use std::sync::Arc;
 
 use super::Core;
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::reason::Refusal;
 
 impl Core {
     /// Holds a job back: durable first, then in memory. A job that has ended stays as it is.
-    pub(crate) async fn pause(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
+    pub(crate) async fn pause(self: &Arc<Self>, id: &str) -> Result<JobRecord, Refusal> {
         let Some(live) = self.live(id) else { return self.job(id) };
         let _holding = live.holding.lock().await;
         self.ledger.flag_paused(id.to_owned(), true).await?;
@@ -25,7 +25,7 @@ impl Core {
     }
 
     /// Lets a paused job wait for a worker again.
-    pub(crate) async fn resume(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
+    pub(crate) async fn resume(self: &Arc<Self>, id: &str) -> Result<JobRecord, Refusal> {
         let Some(live) = self.live(id) else { return self.job(id) };
         let _holding = live.holding.lock().await;
         self.ledger.flag_paused(id.to_owned(), false).await?;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Core;
-use crate::ledger::{Compacted, Keep, Kept};
+use crate::ledger::{Compacted, Keep, TenantRetention};
 use crate::options::Tenant;
 use crate::reason::Refusal;
 
@@ -67,7 +67,7 @@ fn keep(core: &Core) -> Keep {
     let options = &core.options;
     let limit = |value: u64| Some(value).filter(|value| *value > 0);
     let age = |s: u64| limit(s).map(|s| i64::try_from(s.saturating_mul(1000)).unwrap_or(i64::MAX));
-    let own = |own: &Tenant| Kept {
+    let own = |own: &Tenant| TenantRetention {
         age_ms: age(own.keep_s.unwrap_or(options.retention.keep_s)),
         jobs: limit(own.keep_jobs.unwrap_or(options.retention.tenant_keep_jobs)),
         bytes: limit(own.keep_bytes.unwrap_or(options.retention.tenant_keep_bytes)),

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use counterpoint_proto::v1;
 
-use crate::ledger::record::Reached;
+use crate::ledger::record::ReachedLimit;
 use crate::utc::instant;
 
 /// The limit that has stopped a run, and its effect.
-pub(crate) type Stopped = (Reached, String);
+pub(crate) type Stopped = (ReachedLimit, String);
 
 /// Limits of a run, and the limit that was reached.
 #[derive(Debug, Default)]
@@ -65,7 +65,7 @@ impl RunLimits {
                  the administrator sets the maximum of the server",
                 wall.as_millis()
             );
-            Some((beyond, (Reached::WallMs, text)))
+            Some((beyond, (ReachedLimit::WallMs, text)))
         });
         let deadline = self.deadline.as_ref();
         let deadline = deadline.and_then(|(at, stopped)| Some((now.checked_duration_since(*at)?, stopped.clone())));
@@ -104,12 +104,12 @@ mod tests {
 
     fn limits(now: Instant, deadline: Option<u64>) -> RunLimits {
         let mut limits = RunLimits::default();
-        let deadline = deadline.map(|left| (ms(left), (Reached::Deadline, "late".to_owned())));
+        let deadline = deadline.map(|left| (ms(left), (ReachedLimit::Deadline, "late".to_owned())));
         limits.begin(now, ms(1000), deadline, 1);
         limits
     }
 
-    fn over(limits: &RunLimits, now: Instant) -> Option<Reached> {
+    fn over(limits: &RunLimits, now: Instant) -> Option<ReachedLimit> {
         limits.over(now).map(|(reached, _)| reached)
     }
 
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(over(&limits, begin + ms(5000)), None);
         limits.resume(begin + ms(5000));
         assert_eq!(over(&limits, begin + ms(5399)), None);
-        assert_eq!(over(&limits, begin + ms(5400)), Some(Reached::WallMs));
+        assert_eq!(over(&limits, begin + ms(5400)), Some(ReachedLimit::WallMs));
     }
 
     #[test]
@@ -130,13 +130,13 @@ mod tests {
         let mut limits = limits(begin, Some(2000));
         limits.suspend(begin + ms(600));
         assert_eq!(over(&limits, begin + ms(1999)), None);
-        assert_eq!(over(&limits, begin + ms(2000)), Some(Reached::Deadline));
+        assert_eq!(over(&limits, begin + ms(2000)), Some(ReachedLimit::Deadline));
     }
 
     #[test]
     fn of_two_limits_the_first_counts() {
         let begin = Instant::now();
-        for (deadline, reached) in [(990, Reached::Deadline), (1010, Reached::WallMs)] {
+        for (deadline, reached) in [(990, ReachedLimit::Deadline), (1010, ReachedLimit::WallMs)] {
             assert_eq!(over(&limits(begin, Some(deadline)), begin + ms(1100)), Some(reached));
         }
     }
@@ -149,7 +149,7 @@ mod tests {
         limits.begin(begin, ms(1000), None, 1);
         assert_eq!(over(&limits, begin + ms(3000)), None);
         limits.resume(begin + ms(3000));
-        assert_eq!(over(&limits, begin + ms(4000)), Some(Reached::WallMs));
+        assert_eq!(over(&limits, begin + ms(4000)), Some(ReachedLimit::WallMs));
         // The next run of the job has the full running time again.
         limits.begin(begin + ms(4000), ms(1000), None, 1);
         assert_eq!(over(&limits, begin + ms(4500)), None);

@@ -1,6 +1,6 @@
 //! A job in memory: from its acceptance until it has ended and left the short list of recent ones.
 //!
-//! Invariant: the state in [`Live`] is never ahead of the ledger for an end state; a watcher that sees an end can
+//! Invariant: the state in [`LiveJob`] is never ahead of the ledger for an end state; a watcher that sees an end can
 //! read the results.
 
 use std::io;
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::{Control, Stop};
+use counterpoint_kernel::control::{JobControl, StopSignal};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
@@ -17,19 +17,19 @@ use super::limits::{RunLimits, Stopped, late};
 pub(crate) use super::lock::lock;
 use super::operator::Desk;
 use super::step::Stepping;
-use crate::ledger::record::{Reached, Record, State, Work, now_ms};
-use crate::log::kept::Kept;
+use crate::ledger::record::{JobRecord, JobState, JobWork, ReachedLimit, now_ms};
+use crate::log::kept::StoredLog;
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
-use crate::memory::Taken;
+use crate::memory::MemoryReservation;
 use crate::results::Finished;
-use crate::trace::Context;
+use crate::trace::TraceContext;
 
 /// State that exists once a worker has prepared the job.
 #[derive(Debug)]
-pub(crate) struct Run {
+pub(crate) struct PreparedRun {
     pub(crate) info: Arc<Info>,
-    pub(crate) control: Arc<Control>,
+    pub(crate) control: Arc<JobControl>,
 }
 
 /// Bytes that a run counts for until it is prepared.
@@ -46,24 +46,24 @@ fn held_by(info: &Info) -> u64 {
 #[derive(Debug, Default)]
 struct Counted {
     /// The memory of the job, until the job has ended.
-    taken: Option<Taken>,
+    taken: Option<MemoryReservation>,
     /// Small work for the first run; otherwise a run reads the work from the ledger.
-    work: Option<Work>,
+    work: Option<JobWork>,
 }
 
 /// A job in memory.
 #[derive(Debug)]
-pub(crate) struct Live {
+pub(crate) struct LiveJob {
     counted: Mutex<Counted>,
     pub(crate) id: String,
-    record: Mutex<Record>,
-    state: watch::Sender<State>,
+    record: Mutex<JobRecord>,
+    state: watch::Sender<JobState>,
     cancel: AtomicBool,
     /// The run is to end, for any reason.
-    stop: Mutex<Stop>,
+    stop: Mutex<StopSignal>,
     /// End of the log; made on request, since most waiting jobs do not need it yet.
     tail: OnceLock<Arc<Tail>>,
-    run: Mutex<Option<Arc<Run>>>,
+    run: Mutex<Option<Arc<PreparedRun>>>,
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
     writer: Mutex<Option<Writer>>,
@@ -78,13 +78,13 @@ pub(crate) struct Live {
     pub(super) holding: tokio::sync::Mutex<()>,
 }
 
-impl Live {
-    pub(crate) fn new(record: Record) -> Self {
+impl LiveJob {
+    pub(crate) fn new(record: JobRecord) -> Self {
         Self::counted(record, None, None)
     }
 
     /// A job whose memory is counted until the job has ended; `work` is given if it is small.
-    pub(super) fn counted(record: Record, taken: Option<Taken>, work: Option<Work>) -> Self {
+    pub(super) fn counted(record: JobRecord, taken: Option<MemoryReservation>, work: Option<JobWork>) -> Self {
         Self {
             counted: Mutex::new(Counted { taken, work }),
             id: record.id.clone(),
@@ -105,18 +105,18 @@ impl Live {
     }
 
     /// Takes the small work that was kept in memory.
-    pub(super) fn take_work(&self) -> Option<Work> {
+    pub(super) fn take_work(&self) -> Option<JobWork> {
         lock(&self.counted).work.take()
     }
 
-    pub(crate) fn record(&self) -> Record {
+    pub(crate) fn record(&self) -> JobRecord {
         lock(&self.record).clone()
     }
 
     /// The span of the job, which continues the trace of its client.
     pub(super) fn span(&self) -> tracing::Span {
         let record = lock(&self.record);
-        let Context { trace, span, parent, .. } = Context::of(&record.id, &record.runs.traceparent);
+        let TraceContext { trace, span, parent, .. } = TraceContext::of(&record.id, &record.runs.traceparent);
         let attempt = record.runs.attempt + 1;
         tracing::info_span!("job", id = record.id, tenant = record.tenant, attempt, trace, span, parent)
     }
@@ -146,16 +146,16 @@ impl Live {
         self.stepping.get_or_init(|| Arc::new(Stepping::new()))
     }
 
-    pub(crate) fn state(&self) -> State {
+    pub(crate) fn state(&self) -> JobState {
         *self.state.borrow()
     }
 
-    pub(crate) fn follow(&self) -> watch::Receiver<State> {
+    pub(crate) fn follow(&self) -> watch::Receiver<JobState> {
         self.state.subscribe()
     }
 
     /// Changes the record, then tells waiting channels.
-    pub(crate) fn change(&self, change: impl FnOnce(&mut Record)) -> Record {
+    pub(crate) fn change(&self, change: impl FnOnce(&mut JobRecord)) -> JobRecord {
         let mut record = lock(&self.record);
         change(&mut record);
         self.state.send_if_modified(|state| std::mem::replace(state, record.state) != record.state);
@@ -163,11 +163,11 @@ impl Live {
     }
 
     /// Looks at the record without a copy.
-    pub(crate) fn peek<T>(&self, look: impl FnOnce(&Record) -> T) -> T {
+    pub(crate) fn peek<T>(&self, look: impl FnOnce(&JobRecord) -> T) -> T {
         look(&lock(&self.record))
     }
 
-    pub(crate) fn run(&self) -> Option<Arc<Run>> {
+    pub(crate) fn run(&self) -> Option<Arc<PreparedRun>> {
         lock(&self.run).clone()
     }
 
@@ -183,7 +183,7 @@ impl Live {
 
     /// A request that was to end the last run does not end the next one.
     pub(super) fn renew(&self) {
-        *lock(&self.stop) = Stop::default();
+        *lock(&self.stop) = StopSignal::default();
         self.desk().begin_again();
         if let Some(stepping) = self.stepping.get() {
             stepping.begin_again();
@@ -201,7 +201,7 @@ impl Live {
     }
 
     /// Sets the state of a prepared run; the job may have been cancelled by then.
-    pub(crate) fn prepared(&self, run: Run) {
+    pub(crate) fn prepared(&self, run: PreparedRun) {
         lock(&self.limits).held = Some(held_by(&run.info));
         *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() || self.reached().is_some() {
@@ -210,7 +210,7 @@ impl Live {
     }
 
     /// The stop request of the run; exists before the run is prepared.
-    pub(crate) fn stop(&self) -> Stop {
+    pub(crate) fn stop(&self) -> StopSignal {
         lock(&self.stop).clone()
     }
 
@@ -236,7 +236,7 @@ impl Live {
     pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64, deadline_ms: i64) {
         let left = u64::try_from(deadline_ms.saturating_sub(now_ms())).unwrap_or(0);
         let deadline =
-            (deadline_ms > 0).then(|| (Duration::from_millis(left), (Reached::Deadline, late(deadline_ms, None))));
+            (deadline_ms > 0).then(|| (Duration::from_millis(left), (ReachedLimit::Deadline, late(deadline_ms, None))));
         lock(&self.limits).begin(Instant::now(), Duration::from_millis(wall_ms), deadline, bytes);
     }
 
@@ -251,7 +251,7 @@ impl Live {
         let Some((reached, text)) = over else { return };
         let questions = self.desk_if_used().map(|desk| desk.questions()).unwrap_or_default();
         match (reached, questions.first()) {
-            (Reached::Deadline, question @ Some(_)) => {
+            (ReachedLimit::Deadline, question @ Some(_)) => {
                 let deadline = self.peek(|record| record.asked.deadline_ms);
                 self.reach((reached, late(deadline, question)));
             }
@@ -272,7 +272,7 @@ impl Live {
                 "the run was stopped after {most} bytes of log and files, its limit max_job_bytes: submit the job with a \
                  higher limit, or without a trace; the administrator sets the maximum of the server"
             );
-            self.reach((Reached::MaxJobBytes, text));
+            self.reach((ReachedLimit::MaxJobBytes, text));
         }
         bytes <= most
     }
@@ -362,9 +362,9 @@ impl Live {
     }
 
     /// The log of a job that has ended, if it is small.
-    pub(crate) fn small_log(&self) -> Option<Kept> {
+    pub(crate) fn small_log(&self) -> Option<StoredLog> {
         let log = self.finished.get().filter(|_| self.state().ended())?.log.clone();
-        log.map(|log| Kept::in_ledger(&self.id, log))
+        log.map(|log| StoredLog::in_ledger(&self.id, log))
     }
 
     pub(crate) fn keep(&self, finished: Arc<Finished>) {

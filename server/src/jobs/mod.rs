@@ -45,27 +45,27 @@ use crate::blobs::Blobs;
 use crate::clock::Clock;
 use crate::connections::Connections;
 use crate::drain::Drain;
-use crate::host::Host;
-use crate::ledger::record::{Record, State, Work};
-use crate::ledger::{Ledger, NewJob, Submitted};
+use crate::host::ServerHost;
+use crate::ledger::record::{JobRecord, JobState, JobWork};
+use crate::ledger::{Ledger, NewJob, SubmitOutcome};
 use crate::log::Logs;
-use crate::log::kept::Kept;
-use crate::machines::{Machines, is_shipped};
-use crate::memory::Memory;
+use crate::log::kept::StoredLog;
+use crate::machines::{MachineCache, is_shipped};
+use crate::memory::MemoryBudget;
 use crate::metrics::Metrics;
-use crate::options::Options;
+use crate::options::ServerOptions;
 use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
-use crate::spans::Spans;
+use crate::spans::JobSpans;
 use crate::webhooks::Webhooks;
 use board::Board;
 use ends::Ends;
 use feed::{Feed, Removed};
-pub(crate) use files::Sandbox;
+pub(crate) use files::JobSandbox;
 use flusher::Flusher;
-use live::Live;
-use shares::Shares;
+use live::LiveJob;
+use shares::TenantQuotas;
 use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
@@ -78,24 +78,24 @@ pub(crate) struct Seams {
     pub(crate) queue: Box<dyn Queue>,
     pub(crate) logs: Arc<dyn Logs>,
     pub(crate) blobs: Arc<dyn Blobs>,
-    pub(crate) host: Arc<dyn Host>,
+    pub(crate) host: Arc<dyn ServerHost>,
 }
 
 /// The visible state of the server while it works.
 #[derive(Debug)]
-pub(crate) struct Seen {
+pub(crate) struct Telemetry {
     pub(crate) metrics: Arc<Metrics>,
-    pub(crate) spans: Spans,
+    pub(crate) spans: JobSpans,
     pub(crate) webhooks: Webhooks,
 }
 
 /// State that all parts of the server share.
 pub(crate) struct Core {
-    pub(crate) options: Options,
-    pub(crate) host: Arc<dyn Host>,
+    pub(crate) options: ServerOptions,
+    pub(crate) host: Arc<dyn ServerHost>,
     pub(crate) logs: Arc<dyn Logs>,
     pub(crate) blobs: Arc<dyn Blobs>,
-    pub(crate) machines: Machines,
+    pub(crate) machines: MachineCache,
     pub(crate) ledger: Arc<dyn Ledger>,
     pub(crate) runner: Box<dyn Runner>,
     pub(crate) drain: Drain,
@@ -105,7 +105,7 @@ pub(crate) struct Core {
     flusher: Flusher,
     ends: Ends,
     board: Board,
-    shares: Shares,
+    shares: TenantQuotas,
 }
 
 impl std::fmt::Debug for Core {
@@ -116,19 +116,19 @@ impl std::fmt::Debug for Core {
 
 impl Core {
     pub(crate) fn new(
-        options: Options,
+        options: ServerOptions,
         runner: Box<dyn Runner>,
         seams: Seams,
-        seen: Seen,
+        seen: Telemetry,
     ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
-        let Seen { metrics, spans, webhooks } = seen;
+        let Telemetry { metrics, spans, webhooks } = seen;
         let core = Arc::new(Self {
             flusher: Flusher::start()?,
             ends: Ends::start(spans, webhooks)?,
             board: Board::new(queue, Clock::from(ledger.highest_ms()), ledger.epoch(), options.maxima.memory_bytes),
             ledger,
-            machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
+            machines: MachineCache::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
             logs,
             blobs,
@@ -137,7 +137,7 @@ impl Core {
             metrics,
             streams: Arc::default(),
             connections: Arc::default(),
-            shares: Shares::new(&options),
+            shares: TenantQuotas::new(&options),
             options,
         });
         core.let_run();
@@ -184,7 +184,7 @@ impl Core {
     }
 
     /// Accepts a job; the answer says whether it was known.
-    pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<Record>, bool), Refusal> {
+    pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<JobRecord>, bool), Refusal> {
         // The ledger finds out whether the request is a repeat. A repeat needs neither memory nor a place in the queue.
         let place = match admission::place(self, &job.record.tenant).await {
             Ok(place) => place,
@@ -194,7 +194,7 @@ impl Core {
         let core = Arc::downgrade(self);
         let kept = work.is_small().then(|| work.clone());
         // Jobs enter the queue in the order in which the ledger accepted them.
-        let accepted = move |record: &Record| {
+        let accepted = move |record: &JobRecord| {
             if let Some(core) = core.upgrade() {
                 core.admit(core.accepted(record.clone(), kept));
             }
@@ -202,17 +202,17 @@ impl Core {
             drop(place);
         };
         let (blobs, tenant) = (self.blobs.clone(), record.tenant.clone());
-        let check = move |work: &Work| {
+        let check = move |work: &JobWork| {
             blobs.of(&tenant).require(&mut work.files.iter().map(|(_, digest)| digest))?;
             blobs.of(&work.machine.tenant).require(&mut work.machine.files.values())
         };
         let submitted = self.ledger.submit(job, Box::new(check), Box::new(accepted)).await?;
         match submitted {
-            Submitted::Known(known) => {
+            SubmitOutcome::Known(known) => {
                 self.answered(&known)?;
                 Ok((Box::new(self.current(*known)), true))
             }
-            Submitted::New(record) => {
+            SubmitOutcome::New(record) => {
                 self.metrics.jobs.accepted.inc();
                 self.board.tally.accepted(&record);
                 self.pump();
@@ -223,7 +223,7 @@ impl Core {
 
     /// Whether a job that is in the ledger is durable there. One that is not in memory may be from a transaction whose
     /// sync failed: a loss of power takes it back while the ledger cannot be written.
-    fn answered(&self, known: &Record) -> Result<(), Refusal> {
+    fn answered(&self, known: &JobRecord) -> Result<(), Refusal> {
         if known.state.ended() || self.live(&known.id).is_some() {
             return Ok(());
         }
@@ -245,12 +245,12 @@ impl Core {
     }
 
     /// The memory budget of the server.
-    pub(crate) fn memory(&self) -> &Arc<Memory> {
+    pub(crate) fn memory(&self) -> &Arc<MemoryBudget> {
         &self.board.memory
     }
 
     /// A job that is in memory from now on.
-    fn in_memory(&self, record: Record) -> Arc<Live> {
+    fn in_memory(&self, record: JobRecord) -> Arc<LiveJob> {
         let live = self.accepted(record, None);
         // Answers that cannot be read are reported by the next run.
         if let Some(tenant) = live.peek(|record| record.attended.then(|| record.tenant.clone()))
@@ -262,13 +262,13 @@ impl Core {
     }
 
     /// A job that is in memory from now on, with its work if the work is small.
-    fn accepted(&self, record: Record, work: Option<Work>) -> Arc<Live> {
-        let bytes = record.bytes() + work.as_ref().map_or(0, |_| Work::SMALL);
+    fn accepted(&self, record: JobRecord, work: Option<JobWork>) -> Arc<LiveJob> {
+        let bytes = record.bytes() + work.as_ref().map_or(0, |_| JobWork::SMALL);
         let taken = self.board.memory.count(bytes);
-        Arc::new(Live::counted(record, Some(taken), work))
+        Arc::new(LiveJob::counted(record, Some(taken), work))
     }
 
-    fn take_up(&self, record: Record) {
+    fn take_up(&self, record: JobRecord) {
         let live = self.in_memory(record);
         if !self.enter(&live) {
             return;
@@ -281,27 +281,27 @@ impl Core {
     }
 
     /// The newest state of a record.
-    pub(crate) fn current(&self, record: Record) -> Record {
+    pub(crate) fn current(&self, record: JobRecord) -> JobRecord {
         self.live(&record.id).map_or(record, |live| live.record())
     }
 
     /// The log of a job, wherever it is.
-    pub(crate) fn kept_log(&self, id: &str) -> Result<Option<Kept>, Refusal> {
+    pub(crate) fn kept_log(&self, id: &str) -> Result<Option<StoredLog>, Refusal> {
         if let Some(small) = self.live(id).and_then(|live| live.small_log()) {
             return Ok(Some(small));
         }
         match self.logs.kept(id) {
             Some(kept) => Ok(Some(kept)),
-            None => Ok(self.ledger.log(id)?.map(|log| Kept::in_ledger(id, log))),
+            None => Ok(self.ledger.log(id)?.map(|log| StoredLog::in_ledger(id, log))),
         }
     }
 
-    pub(crate) fn live(&self, id: &str) -> Option<Arc<Live>> {
+    pub(crate) fn live(&self, id: &str) -> Option<Arc<LiveJob>> {
         self.board.live.get(id).map(|live| live.clone())
     }
 
     /// A job wherever it is.
-    pub(crate) fn job(&self, id: &str) -> Result<Record, Refusal> {
+    pub(crate) fn job(&self, id: &str) -> Result<JobRecord, Refusal> {
         if let Some(live) = self.live(id) {
             return Ok(live.record());
         }
@@ -309,25 +309,25 @@ impl Core {
     }
 
     /// The work of a job.
-    pub(crate) fn work(&self, id: &str) -> Result<Work, Refusal> {
+    pub(crate) fn work(&self, id: &str) -> Result<JobWork, Refusal> {
         self.ledger.work(id)?.ok_or_else(|| {
             Refusal::DataLoss(format!("the request of job '{id}' is gone from the ledger; submit the job again"))
         })
     }
 
     /// A job of a tenant; those of others are not there for it.
-    pub(crate) fn job_of(&self, tenant: &str, id: &str) -> Result<Record, Refusal> {
+    pub(crate) fn job_of(&self, tenant: &str, id: &str) -> Result<JobRecord, Refusal> {
         let record = self.job(id)?;
         if record.tenant == tenant { Ok(record) } else { Err(Refusal::UnknownJob(id.to_owned())) }
     }
 
     /// Cancels a job: durable first, then in memory.
-    pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
+    pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<JobRecord, Refusal> {
         self.cancel_first(id).await.map(|(record, _)| record)
     }
 
     /// Does the same, and says whether the job had not ended and no other call had requested its cancel before.
-    pub(crate) async fn cancel_first(self: &Arc<Self>, id: &str) -> Result<(Record, bool), Refusal> {
+    pub(crate) async fn cancel_first(self: &Arc<Self>, id: &str) -> Result<(JobRecord, bool), Refusal> {
         let Some(live) = self.live(id) else { return Ok((self.job(id)?, false)) };
         let waiting = self.withdraw(id);
         let mut first = false;
@@ -364,8 +364,8 @@ impl Core {
     }
 
     /// Ends a job that was withdrawn, because it was cancelled.
-    async fn end_cancelled(&self, live: &Live, record: Record) -> Result<Record, Refusal> {
-        let mut ended = Record { state: State::Cancelled, paused: false, ..record };
+    async fn end_cancelled(&self, live: &LiveJob, record: JobRecord) -> Result<JobRecord, Refusal> {
+        let mut ended = JobRecord { state: JobState::Cancelled, paused: false, ..record };
         ended.end(&self.board.clock);
         self.ledger.update(ended.clone()).await?;
         live.change(|record| record.clone_from(&ended));
@@ -389,7 +389,7 @@ impl Core {
     }
 
     /// Removes the remains of a job that is no longer in the ledger.
-    fn forget(&self, id: &str, record: Option<&Record>) -> Result<(), Refusal> {
+    fn forget(&self, id: &str, record: Option<&JobRecord>) -> Result<(), Refusal> {
         self.board.live.remove(id);
         if let Some(record) = record {
             let removed = Removed { machine: record.machine.full_name(), labels: record.asked.labels.clone() };

@@ -8,8 +8,8 @@ use counterpoint_kernel::job::STACK;
 
 use super::Core;
 use crate::ledger::day;
-use crate::ledger::record::{Priority, State, now_ms};
-use crate::metrics::{Used, Waiting};
+use crate::ledger::record::{JobState, Priority, now_ms};
+use crate::metrics::{QuotaUsage, WaitingJobs};
 
 impl Core {
     /// Sets the gauges.
@@ -17,7 +17,7 @@ impl Core {
         let mut waiting: BTreeMap<(String, Priority), (i64, i64)> = BTreeMap::new();
         let mut paused: BTreeMap<String, i64> = BTreeMap::new();
         for live in &self.board.live {
-            if live.state() == State::Queued {
+            if live.state() == JobState::Queued {
                 live.peek(|record| {
                     if record.paused {
                         *paused.entry(record.tenant.clone()).or_default() += 1;
@@ -31,7 +31,7 @@ impl Core {
             }
         }
         let now = now_ms();
-        let waiting = waiting.into_iter().map(|((tenant, priority), (jobs, oldest))| Waiting {
+        let waiting = waiting.into_iter().map(|((tenant, priority), (jobs, oldest))| WaitingJobs {
             tenant,
             priority: priority.name(),
             jobs,
@@ -54,7 +54,7 @@ impl Core {
     /// Sets the usage of each tenant.
     fn observe_tenants(&self) {
         let number = |value: u64| i64::try_from(value).unwrap_or(i64::MAX);
-        let mut used: BTreeMap<String, Used> = BTreeMap::new();
+        let mut used: BTreeMap<String, QuotaUsage> = BTreeMap::new();
         for live in self.workers().running {
             live.peek(|record| used.entry(record.tenant.clone()).or_default().running += 1);
         }

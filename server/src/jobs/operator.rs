@@ -11,9 +11,9 @@ use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::dialog::operator::{Question, Silence};
-use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, Field, FieldKind};
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
+use counterpoint_kernel::dialog::operator::{OpenDialog, Silence};
+use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, DialogField, FieldKind};
 use counterpoint_proto::v1;
 use tokio::sync::watch;
 
@@ -24,7 +24,7 @@ use crate::clock::now_ms;
 /// Where dialogs wait.
 #[derive(Debug)]
 pub(crate) struct Desk {
-    inner: Mutex<Inner>,
+    inner: Mutex<DeskState>,
     /// For kernels: something was answered, or nothing will be.
     answered: Condvar,
     /// For attending clients: counts changes.
@@ -34,10 +34,10 @@ pub(crate) struct Desk {
 }
 
 #[derive(Debug, Default)]
-struct Inner {
+struct DeskState {
     /// Answers of runs before, by channel.
-    recorded: HashMap<u16, VecDeque<Result<Answer, Silence>>>,
-    open: BTreeMap<u64, Open>,
+    recorded: HashMap<u16, VecDeque<Result<DialogAnswer, Silence>>>,
+    open: BTreeMap<u64, OpenQuestion>,
     /// Number of questions of the run so far, by channel.
     asked: HashMap<u16, u64>,
     /// The latest questions that no client answered in time.
@@ -51,17 +51,17 @@ const MAX_EXPIRED: usize = 64;
 
 /// A question that is open.
 #[derive(Debug)]
-struct Open {
+struct OpenQuestion {
     channel: u16,
     question: v1::Question,
     /// When it was asked, ms since 1970.
     since_ms: i64,
     /// An answer is being made durable.
     claimed: bool,
-    answer: Option<Result<Answer, Silence>>,
+    answer: Option<Result<DialogAnswer, Silence>>,
 }
 
-impl Inner {
+impl DeskState {
     /// The id of the channel's next question: its number within the channel in the lower half, the channel in the upper
     /// half. There channel 1 is 0 and the master is 1.
     fn next_id(&mut self, channel: u16) -> u64 {
@@ -81,12 +81,12 @@ impl Desk {
 
     /// The job will be run again from its start.
     pub(crate) fn begin_again(&self) {
-        *lock(&self.inner) = Inner::default();
+        *lock(&self.inner) = DeskState::default();
         self.tell();
     }
 
     /// Sets the answers that earlier runs have received, for the run that begins now.
-    pub(crate) fn record(&self, answers: Vec<(u16, Result<Answer, Silence>)>) {
+    pub(crate) fn record(&self, answers: Vec<(u16, Result<DialogAnswer, Silence>)>) {
         let mut inner = lock(&self.inner);
         inner.recorded.clear();
         for (channel, answer) in answers {
@@ -166,7 +166,7 @@ impl Desk {
     }
 
     /// Gives the answer to a question that was claimed.
-    pub(crate) fn answer(&self, id: u64, answer: Result<Answer, Silence>) {
+    pub(crate) fn answer(&self, id: u64, answer: Result<DialogAnswer, Silence>) {
         if let Some(open) = lock(&self.inner).open.get_mut(&id) {
             open.answer = Some(answer);
         }
@@ -200,9 +200,9 @@ pub(crate) struct Claimed {
 
 /// How a question ends for its kernel.
 #[derive(Debug, PartialEq)]
-pub(super) enum Outcome {
+pub(super) enum QuestionOutcome {
     /// The stored answer.
-    Answered(Result<Answer, Silence>),
+    Answered(Result<DialogAnswer, Silence>),
     /// No client answered in time; this is not stored yet. The number is that of the question within its channel.
     Unanswered(u64),
     /// The run is to end.
@@ -216,19 +216,19 @@ impl Desk {
     }
 
     /// Asks a question and waits for its outcome.
-    pub(super) fn put(&self, question: &Question<'_>) -> Outcome {
+    pub(super) fn put(&self, question: &OpenDialog<'_>) -> QuestionOutcome {
         let mut inner = lock(&self.inner);
         let id = inner.next_id(question.channel);
         let recorded = inner.recorded.get_mut(&question.channel).and_then(VecDeque::pop_front);
         if let Some(answer) = recorded {
-            return Outcome::Answered(answer);
+            return QuestionOutcome::Answered(answer);
         }
         // Do not publish questions after the desk has closed.
         if inner.closed {
-            return Outcome::Closed;
+            return QuestionOutcome::Closed;
         }
         let (channel, question) = (question.channel, wire(id, question));
-        let open = Open { channel, question, since_ms: now_ms(), claimed: false, answer: None };
+        let open = OpenQuestion { channel, question, since_ms: now_ms(), claimed: false, answer: None };
         inner.open.insert(id, open);
         let until = Instant::now() + inner.patience;
         drop(inner);
@@ -240,13 +240,13 @@ impl Desk {
             let left = until.saturating_duration_since(Instant::now());
             // An answer that is being made durable is waited for: the record and the run must agree.
             let outcome = match answer {
-                Some(answer) => Some(Outcome::Answered(answer)),
-                None if inner.closed => Some(Outcome::Closed),
-                None => (left.is_zero() && !claimed).then(|| Outcome::Unanswered(number(id))),
+                Some(answer) => Some(QuestionOutcome::Answered(answer)),
+                None if inner.closed => Some(QuestionOutcome::Closed),
+                None => (left.is_zero() && !claimed).then(|| QuestionOutcome::Unanswered(number(id))),
             };
             if let Some(outcome) = outcome {
                 inner.open.remove(&id);
-                if matches!(outcome, Outcome::Unanswered(_)) {
+                if matches!(outcome, QuestionOutcome::Unanswered(_)) {
                     inner.expired.truncate(MAX_EXPIRED - 1);
                     inner.expired.push_front(id);
                 }
@@ -261,7 +261,7 @@ impl Desk {
 }
 
 /// A question on the wire.
-fn wire(id: u64, question: &Question<'_>) -> v1::Question {
+fn wire(id: u64, question: &OpenDialog<'_>) -> v1::Question {
     v1::Question {
         id,
         channel: u32::from(question.channel),
@@ -274,12 +274,12 @@ fn wire(id: u64, question: &Question<'_>) -> v1::Question {
 }
 
 /// A value on the wire.
-pub(crate) fn value(value: &Value) -> v1::DialogValue {
+pub(crate) fn value(value: &DialogValue) -> v1::DialogValue {
     use v1::dialog_value::Value as Wire;
     let value = match value {
-        Value::Flag(flag) => Wire::Flag(*flag),
-        Value::Number(number) => Wire::Number(*number),
-        Value::Text(text) => Wire::Text(text.clone()),
+        DialogValue::Flag(flag) => Wire::Flag(*flag),
+        DialogValue::Number(number) => Wire::Number(*number),
+        DialogValue::Text(text) => Wire::Text(text.clone()),
     };
     v1::DialogValue { value: Some(value) }
 }
@@ -293,9 +293,9 @@ fn dialog(dialog: &Dialog) -> v1::Dialog {
     }
 }
 
-fn field(field: &Field) -> v1::DialogField {
+fn field(field: &DialogField) -> v1::DialogField {
     use v1::dialog_field::Kind;
-    let choice = |(label, v): &(String, Value)| v1::Choice { label: label.clone(), value: Some(value(v)) };
+    let choice = |(label, v): &(String, DialogValue)| v1::Choice { label: label.clone(), value: Some(value(v)) };
     let kind = match &field.kind {
         FieldKind::Label => None,
         FieldKind::Text { longest } => Some(Kind::LongestText(u32::try_from(*longest).unwrap_or(u32::MAX))),

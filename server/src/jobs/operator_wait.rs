@@ -9,11 +9,11 @@ use counterpoint_proto::v1;
 
 use super::Core;
 use super::describe::status;
-use super::live::{Live, lock};
+use super::live::{LiveJob, lock};
 use crate::clock::now_ms;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 
-impl Live {
+impl LiveJob {
     /// The wait of the run for a client.
     pub(crate) fn operator_wait(&self) -> Option<v1::OperatorWait> {
         let deadline_ms = self.peek(|record| record.asked.deadline_ms);
@@ -24,18 +24,18 @@ impl Live {
         };
         let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.client_wait()?));
         let answer = || Some(wait(v1::OperatorAction::Answer, self.desk_if_used()?.wait()?));
-        if self.state() == State::Running { answer().or_else(command) } else { None }
+        if self.state() == JobState::Running { answer().or_else(command) } else { None }
     }
 }
 
 /// The status of a job, with its wait for a client.
-pub(crate) fn status_now(core: &Core, record: Record) -> v1::JobStatus {
-    let live = if record.state == State::Running { core.live(&record.id) } else { None };
+pub(crate) fn status_now(core: &Core, record: JobRecord) -> v1::JobStatus {
+    let live = if record.state == JobState::Running { core.live(&record.id) } else { None };
     v1::JobStatus { operator_wait: live.and_then(|live| live.operator_wait()), ..status(record) }
 }
 
 /// The same for a client that follows many jobs: it is notified when the wait ends.
-pub(crate) fn status_for_follower(core: &Core, record: Record) -> v1::JobStatus {
+pub(crate) fn status_for_follower(core: &Core, record: JobRecord) -> v1::JobStatus {
     let status = status_now(core, record);
     if let Some(wait) = status.operator_wait {
         lock(&core.board.shown_waits).insert(status.job_id.clone(), wait.since_ms);

@@ -4,17 +4,17 @@
 
 use std::sync::atomic::Ordering;
 
-use counterpoint_kernel::control::{Progress, State};
-use counterpoint_kernel::log::event::Wait;
-use counterpoint_kernel::log::info::Channel;
+use counterpoint_kernel::control::{ChannelActivity, ChannelProgress};
+use counterpoint_kernel::log::event::WaitArrival;
+use counterpoint_kernel::log::info::JobChannel;
 use counterpoint_proto::v1;
 
 use super::Core;
 use super::describe::state;
-use super::live::{Live, Run};
+use super::live::{LiveJob, PreparedRun};
 
 /// The progress of a job; `position` is the number of the last event that its receiver knows.
-pub(crate) fn now(core: &Core, live: &Live, position: u64) -> v1::Progress {
+pub(crate) fn now(core: &Core, live: &LiveJob, position: u64) -> v1::Progress {
     v1::Progress {
         state: state(live.state()).into(),
         position,
@@ -27,18 +27,18 @@ pub(crate) fn now(core: &Core, live: &Live, position: u64) -> v1::Progress {
 }
 
 /// All channels of a run.
-fn channels(run: &Run) -> Vec<v1::ChannelProgress> {
+fn channels(run: &PreparedRun) -> Vec<v1::ChannelProgress> {
     run.info.channels.iter().zip(run.control.progress()).map(|(channel, progress)| one(channel, progress)).collect()
 }
 
-fn one(channel: &Channel, progress: &Progress) -> v1::ChannelProgress {
+fn one(channel: &JobChannel, progress: &ChannelProgress) -> v1::ChannelProgress {
     let state = progress.state();
     let line = progress.line.load(Ordering::Relaxed);
     let (first, last) = channel.lines;
     let lines = (last + 1).saturating_sub(first);
     let here = progress.file.load(Ordering::Relaxed) == u32::from(channel.file) && (first..=last).contains(&line);
     let percent = match state {
-        State::Ended => 100.0,
+        ChannelActivity::Ended => 100.0,
         _ if here && lines > 0 => f64::from(line - first + 1) * 100.0 / f64::from(lines),
         _ => 0.0,
     };
@@ -56,22 +56,22 @@ fn one(channel: &Channel, progress: &Progress) -> v1::ChannelProgress {
 }
 
 /// `M101 with 2, 3`.
-fn waits(channel: u16, wait: &Wait) -> String {
+fn waits(channel: u16, wait: &WaitArrival) -> String {
     let others = wait.participants.iter().filter(|&&c| c != channel);
     let others: Vec<String> = others.map(ToString::to_string).collect();
     format!("{} with {}", wait.key, others.join(", "))
 }
 
 /// A state on the wire.
-pub(crate) fn wire(state: State) -> v1::ChannelState {
+pub(crate) fn wire(state: ChannelActivity) -> v1::ChannelState {
     match state {
-        State::Ready => v1::ChannelState::Ready,
-        State::Running => v1::ChannelState::Running,
-        State::Waiting => v1::ChannelState::Waiting,
-        State::Ended => v1::ChannelState::Ended,
-        State::Alarmed => v1::ChannelState::Alarmed,
-        State::NotStarted => v1::ChannelState::NotStarted,
-        State::Stopped => v1::ChannelState::Stopped,
-        State::Blocked => v1::ChannelState::Blocked,
+        ChannelActivity::Ready => v1::ChannelState::Ready,
+        ChannelActivity::Running => v1::ChannelState::Running,
+        ChannelActivity::Waiting => v1::ChannelState::Waiting,
+        ChannelActivity::Ended => v1::ChannelState::Ended,
+        ChannelActivity::Alarmed => v1::ChannelState::Alarmed,
+        ChannelActivity::NotStarted => v1::ChannelState::NotStarted,
+        ChannelActivity::Stopped => v1::ChannelState::Stopped,
+        ChannelActivity::Blocked => v1::ChannelState::Blocked,
     }
 }

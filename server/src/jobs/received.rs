@@ -3,7 +3,7 @@
 //! *Invariant:* the answers to the questions of a job count as storage of its tenant from their arrival until the job
 //! has ended. After that, the row of the job in the ledger counts.
 
-use counterpoint_kernel::dialog::answers::{Answer, Value};
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
 use counterpoint_kernel::dialog::operator::Silence;
 
 use super::Core;
@@ -16,9 +16,9 @@ const MOST: u64 = 4 << 20;
 const EACH: usize = 16;
 
 /// The size of an answer, bytes.
-fn size(answer: &Answer) -> u64 {
+fn size(answer: &DialogAnswer) -> u64 {
     let texts = answer.values.iter().map(|(name, value)| {
-        let text = if let Value::Text(text) = value { text.len() } else { 0 };
+        let text = if let DialogValue::Text(text) = value { text.len() } else { 0 };
         EACH + name.len() + text
     });
     (EACH + answer.button.as_ref().map_or(0, String::len) + texts.sum::<usize>()) as u64
@@ -30,7 +30,7 @@ pub(crate) fn receive(
     core: &Core,
     received: &mut Option<Growing>,
     (tenant, most): (&str, u64),
-    (field, answer): (&str, &Answer),
+    (field, answer): (&str, &DialogAnswer),
 ) -> Result<u64, Refusal> {
     let (size, most) = (size(answer), MOST.min(most));
     let received = received.get_or_insert_with(|| core.growing(tenant));
@@ -43,7 +43,7 @@ pub(crate) fn receive(
 }
 
 /// The bytes of the answers that earlier runs of a job have received.
-pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Result<Answer, Silence>)]) -> Growing {
+pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Result<DialogAnswer, Silence>)]) -> Growing {
     let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref().ok()).map(size).sum();
     let mut growing = core.growing(tenant);
     growing.add(bytes);

@@ -9,14 +9,15 @@ use std::sync::Arc;
 
 use super::Core;
 use crate::clock::Clock;
-use crate::host::Mark;
-use crate::ledger::record::{Cause, Record, State};
+use crate::host::RunMark;
+use crate::ledger::record::{Cause, JobRecord, JobState};
 use crate::reason::Refusal;
 
 impl Core {
     /// Requeues the jobs that a previous server left unfinished.
     pub(super) fn take_up_unfinished(self: &Arc<Self>) -> Result<(), Refusal> {
-        let marks: HashMap<String, Mark> = self.host.marks()?.into_iter().map(|mark| (mark.id.clone(), mark)).collect();
+        let marks: HashMap<String, RunMark> =
+            self.host.marks()?.into_iter().map(|mark| (mark.id.clone(), mark)).collect();
         let mut jobs = self.ledger.unfinished()?;
         let died = Died::new(&jobs, &marks, self.options.maxima.attempts);
         if !jobs.is_empty() {
@@ -61,15 +62,15 @@ impl Core {
 }
 
 /// Logs the new state of a job that was at work when the server died.
-fn report(job: &Record) {
+fn report(job: &JobRecord) {
     let (id, error) = (&job.id, &job.error);
     match job.state {
-        State::Failed => tracing::warn!(
+        JobState::Failed => tracing::warn!(
             job = id,
             tenant = job.tenant,
             "given up: {error}; look for the cause at the end of the log of the crashed server before you run the job again"
         ),
-        State::Queued => tracing::warn!(
+        JobState::Queued => tracing::warn!(
             job = id,
             crashes = job.runs.crashes.at_work,
             "suspect: the job waits to run alone; cancel it if it must not run again"
@@ -80,7 +81,7 @@ fn report(job: &Record) {
 
 /// The runs at the death of the previous server.
 struct Died<'a> {
-    marks: &'a HashMap<String, Mark>,
+    marks: &'a HashMap<String, RunMark>,
     /// Number of runs that were working.
     at_work: usize,
     /// Number of crashes after which a job is given up.
@@ -88,27 +89,27 @@ struct Died<'a> {
 }
 
 impl<'a> Died<'a> {
-    fn new(jobs: &[Record], marks: &'a HashMap<String, Mark>, attempts: u32) -> Self {
+    fn new(jobs: &[JobRecord], marks: &'a HashMap<String, RunMark>, attempts: u32) -> Self {
         let died = Self { marks, at_work: 0, attempts };
         Self { at_work: jobs.iter().filter(|job| died.was_at_work(job)).count(), ..died }
     }
 
     /// The mark of the interrupted run, unless the ledger already has its number.
-    fn mark(&self, job: &Record) -> Option<&Mark> {
+    fn mark(&self, job: &JobRecord) -> Option<&RunMark> {
         self.marks.get(&job.id).filter(|mark| mark.attempt > job.runs.attempt)
     }
 
     /// Whether a run of this job was interrupted.
-    fn had_begun(&self, job: &Record) -> bool {
-        job.state == State::Running || self.marks.contains_key(&job.id)
+    fn had_begun(&self, job: &JobRecord) -> bool {
+        job.state == JobState::Running || self.marks.contains_key(&job.id)
     }
 
-    fn was_at_work(&self, job: &Record) -> bool {
-        job.state == State::Running || self.mark(job).is_some_and(|mark| mark.works)
+    fn was_at_work(&self, job: &JobRecord) -> bool {
+        job.state == JobState::Running || self.mark(job).is_some_and(|mark| mark.works)
     }
 
     /// Sets the state of a job after the crash. If a single run was working, that run may have caused the crash.
-    fn recover(&self, job: &mut Record, clock: &Clock) {
+    fn recover(&self, job: &mut JobRecord, clock: &Clock) {
         let (suspect, alone) = (self.was_at_work(job), self.at_work == 1);
         if let Some(mark) = self.mark(job) {
             // An idle run was not the cause. If its job was a suspect, the job has already run alone.
@@ -119,17 +120,17 @@ impl<'a> Died<'a> {
         }
         let poison = job.runs.crashes.poison(self.attempts).filter(|_| suspect);
         if job.cancel {
-            job.state = State::Cancelled;
+            job.state = JobState::Cancelled;
             job.end(clock);
         } else if let Some(error) = poison {
-            job.state = State::Failed;
+            job.state = JobState::Failed;
             job.end(clock);
             job.runs.cause = Some(Cause::Host);
             job.error = error;
         } else {
             // A suspect that was not running at the next crash was not the cause.
             job.runs.suspect = suspect || job.runs.suspect && self.at_work == 0;
-            (job.state, job.runs.started_ms) = (State::Queued, 0);
+            (job.state, job.runs.started_ms) = (JobState::Queued, 0);
         }
     }
 }
@@ -141,22 +142,22 @@ mod tests {
 
     const ATTEMPTS: u32 = 2;
 
-    fn jobs<const N: usize>(ids: [&str; N]) -> Vec<Record> {
+    fn jobs<const N: usize>(ids: [&str; N]) -> Vec<JobRecord> {
         ids.map(record).to_vec()
     }
 
     /// Recovers the jobs of a server that left marks with these run numbers; numbers of idle runs are negative.
-    fn after(jobs: &mut [Record], marks: &[(&str, i32)]) {
+    fn after(jobs: &mut [JobRecord], marks: &[(&str, i32)]) {
         let mark = |(id, attempt): &(&str, i32)| {
             let id = (*id).to_owned();
-            (id.clone(), Mark { id, attempt: attempt.unsigned_abs(), works: *attempt > 0 })
+            (id.clone(), RunMark { id, attempt: attempt.unsigned_abs(), works: *attempt > 0 })
         };
         let marks = marks.iter().map(mark).collect();
         let died = Died::new(jobs, &marks, ATTEMPTS);
         jobs.iter_mut().for_each(|job| died.recover(job, &Clock::from(0)));
     }
 
-    fn suspects(jobs: &[Record]) -> Vec<&str> {
+    fn suspects(jobs: &[JobRecord]) -> Vec<&str> {
         jobs.iter().filter(|job| job.runs.suspect).map(|job| job.id.as_str()).collect()
     }
 
@@ -171,7 +172,7 @@ mod tests {
             assert_eq!(suspects(&jobs), ["a", "b"]);
         }
         let counts = jobs.iter().map(|job| (job.state, job.runs.attempt, job.runs.crashes.at_work));
-        let queued = |attempt| (State::Queued, attempt, attempt);
+        let queued = |attempt| (JobState::Queued, attempt, attempt);
         assert_eq!(counts.collect::<Vec<_>>(), [queued(1), queued(1), queued(0)]);
     }
 
@@ -182,9 +183,9 @@ mod tests {
         after(&mut jobs, &[("a", 2)]);
         assert_eq!((suspects(&jobs), jobs[0].runs.crashes.alone), (vec!["a"], 1));
         after(&mut jobs, &[("a", 3)]);
-        assert_eq!((jobs[0].state, jobs[0].runs.cause), (State::Failed, Some(Cause::Host)));
+        assert_eq!((jobs[0].state, jobs[0].runs.cause), (JobState::Failed, Some(Cause::Host)));
         assert!(jobs[0].error.starts_with("poison: the server died 2 times"), "{}", jobs[0].error);
-        assert_eq!((jobs[1].state, jobs[1].runs.suspect), (State::Queued, false));
+        assert_eq!((jobs[1].state, jobs[1].runs.suspect), (JobState::Queued, false));
     }
 
     #[test]
@@ -207,6 +208,10 @@ mod tests {
         }
         after(&mut jobs, &[("a", 6), ("b", -6)]);
         assert!(jobs[0].error.starts_with("poison: the server died 6 times"), "{}", jobs[0].error);
-        assert_eq!((jobs[0].state, jobs[1].state), (State::Failed, State::Queued), "an idle run was not the cause");
+        assert_eq!(
+            (jobs[0].state, jobs[1].state),
+            (JobState::Failed, JobState::Queued),
+            "an idle run was not the cause"
+        );
     }
 }

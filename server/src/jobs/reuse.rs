@@ -4,29 +4,29 @@
 //! version of the server. The later job gets a copy of the log and the files of the earlier job. If these cannot be
 //! read, the later job runs.
 //!
-//! *Invariants:* a log is copied only if every run of the job gives the same log (see [`Record::log_is_final`]) and the
+//! *Invariants:* a log is copied only if every run of the job gives the same log (see [`JobRecord::log_is_final`]) and the
 //! log depends on nothing but the job. The copy has passed all checks of a reader.
 
 use std::io::Read as _;
 use std::sync::{Arc, LazyLock};
 
-use counterpoint_kernel::job::Program;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::job::ProgramSelection;
+use counterpoint_kernel::options::JobOptions;
 use prost::Message as _;
 use serde::Serialize;
 
 use super::Core;
-use super::live::Live;
+use super::live::LiveJob;
 use super::worker::{Change, RESULTS_FROM, seal};
 use crate::blobs::digest;
-use crate::ledger::record::{Record, Reuse, Work};
+use crate::ledger::record::{JobRecord, JobWork, Reuse};
 use crate::log::damage::{cut_short, gone};
-use crate::log::reader::Reader;
-use crate::log::wanted::Wanted;
-use crate::log::writer::{Ended, Small, Writer};
-use crate::machines::Definition;
+use crate::log::reader::LogReader;
+use crate::log::wanted::ResultGate;
+use crate::log::writer::{FinishedLog, Small, Writer};
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
-use crate::results::Document;
+use crate::results::StoredResult;
 
 /// The version of the server and the digest of the sources that make results.
 static VERSION: LazyLock<String> =
@@ -34,12 +34,12 @@ static VERSION: LazyLock<String> =
 
 /// The inputs that determine the results of a job.
 #[derive(Serialize)]
-struct Content<'a> {
+struct RunInputs<'a> {
     version: &'a str,
-    machine: &'a Definition,
-    programs: &'a [Program],
+    machine: &'a MachineRecord,
+    programs: &'a [ProgramSelection],
     files: &'a [(String, String)],
-    options: Options,
+    options: JobOptions,
     wall_ms: u64,
     max_job_bytes: u64,
     /// Whether macros may start commands.
@@ -50,18 +50,24 @@ struct Content<'a> {
 
 /// The digest of the inputs that determine the results of a job, including the limits of its run; `None` if the results
 /// of this job are not shared.
-pub(super) fn digest_of(core: &Core, record: &Record, work: &Work, wall_ms: u64, max_job_bytes: u64) -> Option<String> {
+pub(super) fn digest_of(
+    core: &Core,
+    record: &JobRecord,
+    work: &JobWork,
+    wall_ms: u64,
+    max_job_bytes: u64,
+) -> Option<String> {
     let embedded = core.options.embedded;
     if !core.options.retention.result_cache || embedded.ephemeral || record.attended || record.stepped {
         return None;
     }
-    let content = Content {
+    let content = RunInputs {
         version: &VERSION,
         machine: &work.machine,
         programs: &record.programs,
         files: &work.files,
         // The log is the same for any number of threads.
-        options: Options { threads: 0, ..work.options.clone() },
+        options: JobOptions { threads: 0, ..work.options.clone() },
         wall_ms,
         max_job_bytes,
         system: core.options.system.allow_system && work.machine.trusted,
@@ -71,7 +77,7 @@ pub(super) fn digest_of(core: &Core, record: &Record, work: &Work, wall_ms: u64,
 }
 
 /// An ended job with this digest whose results a job with this record may use.
-fn equal(core: &Core, record: &Record, digest: &str) -> Option<Record> {
+fn equal(core: &Core, record: &JobRecord, digest: &str) -> Option<JobRecord> {
     if record.asked.no_cache || !record.asked.rerun_of.is_empty() {
         return None;
     }
@@ -86,8 +92,8 @@ fn equal(core: &Core, record: &Record, digest: &str) -> Option<Record> {
 /// The copy cannot be stored.
 pub(super) fn take(
     core: &Arc<Core>,
-    live: &Live,
-    record: &Record,
+    live: &LiveJob,
+    record: &JobRecord,
     digest: &str,
 ) -> Result<Option<(Change, Option<Small>)>, Refusal> {
     let Some(from) = equal(core, record, digest) else { return Ok(None) };
@@ -102,7 +108,7 @@ pub(super) fn take(
 }
 
 /// The change to the record of a job that got the results of another job.
-fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
+fn of_equal(from: JobRecord, stored_bytes: u64, digest: String) -> Change {
     Box::new(move |record| {
         record.state = from.state;
         (record.runs.cause, record.runs.has_files) = (from.runs.cause, from.runs.has_files);
@@ -119,7 +125,7 @@ fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
 }
 
 /// The result of a read; `None`, with a warning, if the data of an ended job are damaged or removed.
-fn unreadable<T>(read: Result<T, Refusal>, from: &Record) -> Option<T> {
+fn unreadable<T>(read: Result<T, Refusal>, from: &JobRecord) -> Option<T> {
     read.inspect_err(|error| {
         tracing::warn!(%error, from = from.id, "the results of the equal job cannot be read; the job runs");
     })
@@ -128,9 +134,9 @@ fn unreadable<T>(read: Result<T, Refusal>, from: &Record) -> Option<T> {
 
 /// Copies log, files and stored results of an ended job; returns their size in bytes and the log, if it is small.
 /// `None` if they cannot be read, or if the job is stopped during the copy.
-fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Option<Small>)>, Refusal> {
+fn copy(core: &Arc<Core>, live: &LiveJob, from: &JobRecord) -> Result<Option<(u64, Option<Small>)>, Refusal> {
     let files = match from.runs.has_files {
-        true => match unreadable(document(core, from, Document::Files), from) {
+        true => match unreadable(document(core, from, StoredResult::Files), from) {
             Some(files) => Some(files),
             None => return Ok(None),
         },
@@ -139,19 +145,19 @@ fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Opt
     let Some(writer) = copy_log(core, live, from)? else { return Ok(None) };
     let bytes = writer.bytes();
     let (log, mut place) = match writer.finish()? {
-        Ended::Small(log) => (Some(log), None),
-        Ended::Placed(place) => (None, Some(place)),
+        FinishedLog::Small(log) => (Some(log), None),
+        FinishedLog::Placed(place) => (None, Some(place)),
     };
     let mut stored = place.as_mut().map_or(Ok(bytes), |place| place.pack())?;
     if let Some(files) = &files {
-        core.logs.write(&live.id, Document::Files.file(), files)?;
+        core.logs.write(&live.id, StoredResult::Files.file(), files)?;
         stored += files.len() as u64;
     }
     if bytes >= RESULTS_FROM {
         // Missing results are made from the log on request.
-        for name in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
+        for name in StoredResult::ALL.into_iter().filter(|document| *document != StoredResult::Files) {
             let Ok(content) = document(core, from, name) else { continue };
-            core.logs.write_spare(&live.id, name.file(), &content, &Wanted::default())?;
+            core.logs.write_spare(&live.id, name.file(), &content, &ResultGate::default())?;
             stored += content.len() as u64;
         }
     }
@@ -160,10 +166,10 @@ fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Opt
 }
 
 /// Copies the log of an ended job; `None` if it cannot be read, or if the job is stopped during the copy.
-fn copy_log(core: &Core, live: &Live, from: &Record) -> Result<Option<Writer>, Refusal> {
+fn copy_log(core: &Core, live: &LiveJob, from: &JobRecord) -> Result<Option<Writer>, Refusal> {
     let open = || {
         let Some(kept) = core.kept_log(&from.id)? else { return Err(gone(&from.id).into()) };
-        Ok(Reader::open_ended(&kept, 0)?)
+        Ok(LogReader::open_ended(&kept, 0)?)
     };
     let Some(mut reader) = unreadable(open(), from) else { return Ok(None) };
     let head = reader.description().encode_to_vec();
@@ -188,7 +194,7 @@ fn copy_log(core: &Core, live: &Live, from: &Record) -> Result<Option<Writer>, R
 }
 
 /// Reads a result that is stored beside a log.
-fn document(core: &Core, from: &Record, document: Document) -> Result<Vec<u8>, Refusal> {
+fn document(core: &Core, from: &JobRecord, document: StoredResult) -> Result<Vec<u8>, Refusal> {
     let mut content = Vec::new();
     core.logs.open(&from.id, document.file())?.read_to_end(&mut content)?;
     Ok(content)

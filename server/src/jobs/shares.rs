@@ -13,8 +13,8 @@ use super::growing::Growing;
 use super::lock::lock;
 use crate::ledger::day;
 use crate::ledger::record::now_ms;
-use crate::options::{Options, Quotas, Tenant};
-use crate::places::Places;
+use crate::options::{Quotas, ServerOptions, Tenant};
+use crate::places::SlotLimiter;
 use crate::reason::Refusal;
 
 /// Tables of tenants by name.
@@ -22,21 +22,21 @@ pub(crate) type Tenants = BTreeMap<String, Tenant>;
 
 /// Tables of tenants, and places for uploads.
 #[derive(Debug)]
-pub(crate) struct Shares {
+pub(crate) struct TenantQuotas {
     tenants: RwLock<Arc<Tenants>>,
-    by_connection: Arc<Places<Option<SocketAddr>>>,
-    by_tenant: Arc<Places<String>>,
+    by_connection: Arc<SlotLimiter<Option<SocketAddr>>>,
+    by_tenant: Arc<SlotLimiter<String>>,
     /// Bytes of uploads in progress by tenant.
     growing: Arc<Mutex<BTreeMap<String, u64>>>,
 }
 
-impl Shares {
-    pub(super) fn new(options: &Options) -> Self {
+impl TenantQuotas {
+    pub(super) fn new(options: &ServerOptions) -> Self {
         let limits = &options.connections;
         Self {
             tenants: RwLock::new(Arc::new(options.tables.tenants.clone())),
-            by_connection: Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection)),
-            by_tenant: Arc::new(Places::new(usize::MAX, usize::MAX)),
+            by_connection: Arc::new(SlotLimiter::new(limits.max_uploads, limits.max_uploads_per_connection)),
+            by_tenant: Arc::new(SlotLimiter::new(usize::MAX, usize::MAX)),
             growing: Arc::default(),
         }
     }

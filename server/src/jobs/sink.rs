@@ -5,18 +5,18 @@
 use std::io;
 use std::sync::Arc;
 
-use counterpoint_kernel::job::{Sink, WrittenFiles};
+use counterpoint_kernel::job::{LogSink, WrittenFiles};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
 use prometheus_client::metrics::counter::Counter;
 
 use super::Core;
 use super::flusher::Flusher;
-use super::live::Live;
+use super::live::LiveJob;
 
 /// Output of a run.
 pub(crate) struct JobSink<'a> {
-    live: &'a Arc<Live>,
+    live: &'a Arc<LiveJob>,
     flusher: &'a Flusher,
     events: &'a Counter,
     logged: bool,
@@ -31,7 +31,7 @@ pub(crate) struct JobSink<'a> {
 }
 
 impl<'a> JobSink<'a> {
-    pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, builder: ResultsBuilder) -> Self {
+    pub(crate) fn new(live: &'a Arc<LiveJob>, core: &'a Core, builder: ResultsBuilder) -> Self {
         let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.embedded.log);
         Self {
             live,
@@ -47,7 +47,7 @@ impl<'a> JobSink<'a> {
     }
 }
 
-impl Sink for JobSink<'_> {
+impl LogSink for JobSink<'_> {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
     }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::operator::{Command, Console, Heard, Said};
+use counterpoint_kernel::operator::{Console, Heard, StepCommand, StepReply};
 use tokio::sync::mpsc;
 
 use super::live::lock;
@@ -19,7 +19,7 @@ use crate::clock::now_ms;
 /// Where the commands for a job wait.
 #[derive(Debug)]
 pub(crate) struct Stepping {
-    inner: Mutex<Inner>,
+    inner: Mutex<StepConsoleState>,
     /// For the run: a command came.
     came: Condvar,
     /// A command waits.
@@ -27,12 +27,12 @@ pub(crate) struct Stepping {
 }
 
 #[derive(Debug)]
-struct Inner {
-    commands: VecDeque<Command>,
+struct StepConsoleState {
+    commands: VecDeque<StepCommand>,
     /// To the client.
-    client: Option<mpsc::UnboundedSender<Said>>,
+    client: Option<mpsc::UnboundedSender<StepReply>>,
     /// Place where the run is paused, if it is.
-    stop: Option<Said>,
+    stop: Option<StepReply>,
     /// When the run came to a stand, or the last command came.
     since: Instant,
     /// The same time, ms since 1970.
@@ -46,7 +46,7 @@ impl Stepping {
     pub(crate) fn new() -> Self {
         let (commands, since, since_ms) = (VecDeque::new(), Instant::now(), now_ms());
         let patience = Duration::ZERO;
-        let inner = Inner { commands, client: None, stop: None, since, since_ms, detached: false, patience };
+        let inner = StepConsoleState { commands, client: None, stop: None, since, since_ms, detached: false, patience };
         Self { inner: Mutex::new(inner), came: Condvar::new(), pending: AtomicBool::new(false) }
     }
 
@@ -63,7 +63,7 @@ impl Stepping {
     }
 
     /// A client comes; it learns where the run is. `None`: there is another one.
-    pub(crate) fn come(&self) -> Option<mpsc::UnboundedReceiver<Said>> {
+    pub(crate) fn come(&self) -> Option<mpsc::UnboundedReceiver<StepReply>> {
         let mut inner = lock(&self.inner);
         if inner.client.as_ref().is_some_and(|client| !client.is_closed()) {
             return None;
@@ -77,9 +77,9 @@ impl Stepping {
     }
 
     /// The client commands something.
-    pub(crate) fn command(&self, command: Command) {
+    pub(crate) fn command(&self, command: StepCommand) {
         let mut inner = lock(&self.inner);
-        inner.detached |= command == Command::Detach;
+        inner.detached |= command == StepCommand::Detach;
         inner.commands.push_back(command);
         inner.begin_wait();
         self.pending.store(true, Ordering::Release);
@@ -99,22 +99,22 @@ impl Stepping {
         waits.then(|| (inner.since_ms, end_ms(inner.since_ms, inner.patience)))
     }
 
-    fn taken(&self, inner: &mut Inner) -> Heard {
+    fn taken(&self, inner: &mut StepConsoleState) -> Heard {
         let command = inner.take();
         self.pending.store(!inner.commands.is_empty() || inner.detached, Ordering::Release);
         command.map_or(Heard::Nothing, Heard::Command)
     }
 }
 
-impl Inner {
+impl StepConsoleState {
     /// The run waits for the next command from now on.
     fn begin_wait(&mut self) {
         (self.since, self.since_ms) = (Instant::now(), now_ms());
     }
 
-    fn take(&mut self) -> Option<Command> {
-        let command = self.commands.pop_front().or_else(|| self.detached.then_some(Command::Detach))?;
-        if command.runs() || command == Command::Detach {
+    fn take(&mut self) -> Option<StepCommand> {
+        let command = self.commands.pop_front().or_else(|| self.detached.then_some(StepCommand::Detach))?;
+        if command.runs() || command == StepCommand::Detach {
             self.stop = None;
         }
         Some(command)
@@ -148,9 +148,9 @@ impl Console for Stepping {
         self.taken(&mut inner)
     }
 
-    fn say(&self, said: Said) {
+    fn say(&self, said: StepReply) {
         let mut inner = lock(&self.inner);
-        if matches!(said, Said::Stopped(_)) {
+        if matches!(said, StepReply::Stopped(_)) {
             inner.stop = Some(said.clone());
             inner.begin_wait();
         }
@@ -162,12 +162,12 @@ impl Console for Stepping {
 
 #[cfg(test)]
 mod tests {
-    use counterpoint_kernel::operator::Report;
+    use counterpoint_kernel::operator::StepReport;
 
     use super::*;
 
-    fn stopped(reason: &str) -> Said {
-        Said::Stopped(Report { reason: reason.into(), ..Report::default() })
+    fn stopped(reason: &str) -> StepReply {
+        StepReply::Stopped(StepReport { reason: reason.into(), ..StepReport::default() })
     }
 
     #[test]
@@ -180,11 +180,11 @@ mod tests {
         let mut first = console.come().unwrap();
         assert_eq!(first.try_recv(), Ok(stopped("a")));
         assert!(console.come().is_none());
-        console.command(Command::Show);
+        console.command(StepCommand::Show);
         assert!(!console.waits_for_client(), "it has something to do");
-        console.command(Command::Continue);
-        assert_eq!(console.poll(), Heard::Command(Command::Show));
-        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Continue));
+        console.command(StepCommand::Continue);
+        assert_eq!(console.poll(), Heard::Command(StepCommand::Show));
+        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(StepCommand::Continue));
         assert_eq!(console.poll(), Heard::Nothing);
         drop(first);
         let mut next = console.come().expect("the first one has gone");
@@ -204,10 +204,10 @@ mod tests {
         assert_eq!(console.wait(Duration::from_millis(1)), Heard::Nothing);
         console.begin_again();
         assert!(lock(&console.inner).stop.is_none());
-        console.command(Command::Detach);
+        console.command(StepCommand::Detach);
         console.begin_again();
         console.say(stopped("c"));
-        assert_eq!(console.poll(), Heard::Command(Command::Detach), "a later run does not stand either");
-        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Detach));
+        assert_eq!(console.poll(), Heard::Command(StepCommand::Detach), "a later run does not stand either");
+        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(StepCommand::Detach));
     }
 }

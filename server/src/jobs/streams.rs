@@ -8,17 +8,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use dashmap::DashMap;
 use tokio::sync::{Semaphore, SemaphorePermit};
 
-use super::live::Live;
-use super::turns::Turns;
+use super::live::LiveJob;
+use super::turns::CallerTurns;
 
 /// A watch.
 #[derive(Debug)]
-pub(crate) struct Stream {
-    live: Arc<Live>,
+pub(crate) struct OpenWatch {
+    live: Arc<LiveJob>,
     cursor: AtomicU64,
 }
 
-impl Stream {
+impl OpenWatch {
     /// Events of the log that have not been sent.
     fn lag(&self) -> u64 {
         self.live.tail().position().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
@@ -29,13 +29,13 @@ impl Stream {
 #[derive(Debug)]
 pub(crate) struct Streams {
     next: AtomicU64,
-    open: DashMap<u64, Arc<Stream>>,
+    open: DashMap<u64, Arc<OpenWatch>>,
     /// Places for reads of logs: more at once make none of them faster, and each thread keeps memory of its own.
     reads: Semaphore,
     /// Turns of tenants to make results.
-    pub(crate) renders: Arc<Turns>,
+    pub(crate) renders: Arc<CallerTurns>,
     /// Turns of identities to read rows of the ledger, machines and blobs.
-    pub(crate) lookups: Arc<Turns>,
+    pub(crate) lookups: Arc<CallerTurns>,
 }
 
 impl Default for Streams {
@@ -53,7 +53,7 @@ impl Default for Streams {
 
 /// Data of a watch.
 #[derive(Debug)]
-pub(crate) struct Seen {
+pub(crate) struct WatchStatus {
     pub(crate) number: u64,
     pub(crate) job: String,
     pub(crate) tenant: String,
@@ -66,7 +66,7 @@ pub(crate) struct Seen {
 pub(crate) struct Listed {
     streams: Arc<Streams>,
     number: u64,
-    stream: Arc<Stream>,
+    stream: Arc<OpenWatch>,
 }
 
 impl Streams {
@@ -75,22 +75,22 @@ impl Streams {
         self.reads.acquire().await.ok()
     }
 
-    pub(crate) fn list(self: &Arc<Self>, live: Arc<Live>) -> Listed {
+    pub(crate) fn list(self: &Arc<Self>, live: Arc<LiveJob>) -> Listed {
         let number = self.next.fetch_add(1, Ordering::Relaxed) + 1;
-        let stream = Arc::new(Stream { live, cursor: AtomicU64::new(0) });
+        let stream = Arc::new(OpenWatch { live, cursor: AtomicU64::new(0) });
         self.open.insert(number, stream.clone());
         Listed { streams: self.clone(), number, stream }
     }
 
     /// All of them, oldest first.
-    pub(crate) fn seen(&self) -> Vec<Seen> {
-        let seen = |number: u64, stream: &Stream| {
+    pub(crate) fn seen(&self) -> Vec<WatchStatus> {
+        let seen = |number: u64, stream: &OpenWatch| {
             let mut tenant = String::new();
             stream.live.peek(|record| tenant.clone_from(&record.tenant));
             let cursor = stream.cursor.load(Ordering::Relaxed);
-            Seen { number, job: stream.live.id.clone(), tenant, cursor, behind: stream.lag() }
+            WatchStatus { number, job: stream.live.id.clone(), tenant, cursor, behind: stream.lag() }
         };
-        let mut all: Vec<Seen> = self.open.iter().map(|stream| seen(*stream.key(), stream.value())).collect();
+        let mut all: Vec<WatchStatus> = self.open.iter().map(|stream| seen(*stream.key(), stream.value())).collect();
         all.sort_by_key(|seen| seen.number);
         all
     }

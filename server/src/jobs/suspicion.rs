@@ -10,10 +10,10 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 
 use super::Core;
-use super::board::Waiting;
-use super::live::{Live, lock};
-use crate::host::Mark;
-use crate::ledger::record::{Record, State, now_ms};
+use super::board::QueueState;
+use super::live::{LiveJob, lock};
+use crate::host::RunMark;
+use crate::ledger::record::{JobRecord, JobState, now_ms};
 
 /// Time for which a suspect runs alone after one crash. Each further crash doubles the time, so that a job that crashes
 /// the server late in its run is also found.
@@ -55,7 +55,7 @@ impl LoneSuspect {
 
 impl Core {
     /// Takes the jobs that the queue has cleared, and removes their suspicion in memory.
-    pub(super) fn clear(&self, queue: &mut Waiting) {
+    pub(super) fn clear(&self, queue: &mut QueueState) {
         let cleared = queue.jobs.take_cleared();
         for live in cleared.iter().filter_map(|id| self.live(id)) {
             tracing::warn!(job = live.id, "no longer a suspect: other jobs run beside it; no action is needed");
@@ -78,7 +78,7 @@ impl Core {
 
     /// Updates the marks of runs that have started or stopped using processor time: only a working run can crash the
     /// server, and one that is over and waits for its storage does not work.
-    pub(super) fn mark_working(&self, queue: &mut Waiting) {
+    pub(super) fn mark_working(&self, queue: &mut QueueState) {
         if queue.jobs.are_idle(&queue.idle) {
             return;
         }
@@ -87,7 +87,7 @@ impl Core {
         let changed = idle.symmetric_difference(&queue.idle).filter(|id| busy.contains(*id));
         for live in changed.filter_map(|id| self.live(id)) {
             let attempt = live.peek(|record| record.runs.attempt);
-            let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
+            let mark = RunMark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
             // If the server dies, a job without a mark is queued again and does not run alone.
             if let Err(error) = self.host.mark(&mark) {
                 tracing::debug!(job = live.id, %error, "the run has no mark");
@@ -97,13 +97,13 @@ impl Core {
     }
 
     /// Marks a run that starts now, and sets its number and its start time.
-    pub(super) fn begin_run(&self, live: &Live) -> io::Result<Record> {
+    pub(super) fn begin_run(&self, live: &LiveJob) -> io::Result<JobRecord> {
         // The lock keeps the number and the mark consistent.
         let queue = lock(&self.board.queue);
         let attempt = live.peek(|record| record.runs.attempt) + 1;
-        self.host.mark(&Mark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;
+        self.host.mark(&RunMark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;
         Ok(live.change(|record| {
-            (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
+            (record.state, record.runs.started_ms) = (JobState::Running, now_ms().max(record.submitted_ms));
             record.runs.attempt = attempt;
         }))
     }

@@ -11,7 +11,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::files::Bytes;
-use counterpoint_kernel::system::{Answer, Call, System};
+use counterpoint_kernel::system::{CommandOutcome, System, SystemCommand};
 use process_wrap::std::{ChildWrapper, CommandWrap};
 
 /// Status of a command that could not be started or was ended.
@@ -38,7 +38,7 @@ impl Shell {
         Self { folder, patience: Duration::from_secs(seconds) }
     }
 
-    fn try_run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> io::Result<Answer> {
+    fn try_run(&self, call: &SystemCommand<'_>, cancelled: &dyn Fn() -> bool) -> io::Result<CommandOutcome> {
         let place = tempfile::Builder::new().prefix("system-").tempdir_in(&self.folder)?;
         // The shell starts elsewhere, so relative names of the data folder would not do. Not the canonical path: the
         // shell of Windows cannot start in one.
@@ -66,7 +66,7 @@ impl Shell {
         let mut bytes = Vec::new();
         std::fs::File::open(&said)?.take(MOST_OUTPUT).read_to_end(&mut bytes)?;
         let output = String::from_utf8_lossy(&bytes).into_owned() + &note;
-        let mut answer = Answer { status, output, ..Answer::default() };
+        let mut answer = CommandOutcome { status, output, ..CommandOutcome::default() };
         changes(&job, &call.files, &mut answer)?;
         Ok(answer)
     }
@@ -88,12 +88,12 @@ impl Shell {
 }
 
 impl System for Shell {
-    fn run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> Answer {
+    fn run(&self, call: &SystemCommand<'_>, cancelled: &dyn Fn() -> bool) -> CommandOutcome {
         tracing::info!(command = call.command, "a macro starts a command");
-        self.try_run(call, cancelled).unwrap_or_else(|error| Answer {
+        self.try_run(call, cancelled).unwrap_or_else(|error| CommandOutcome {
             status: FAILED,
             output: format!("the command could not be run: {error}"),
-            ..Answer::default()
+            ..CommandOutcome::default()
         })
     }
 }
@@ -160,7 +160,7 @@ fn lay_out(folder: &Path, files: &[(String, Bytes)]) -> io::Result<()> {
 }
 
 /// Looks for new and changed files, and for those that are gone. Links are not followed.
-fn changes(folder: &Path, before: &[(String, Bytes)], answer: &mut Answer) -> io::Result<()> {
+fn changes(folder: &Path, before: &[(String, Bytes)], answer: &mut CommandOutcome) -> io::Result<()> {
     let mut gone: BTreeMap<&str, &Bytes> = before.iter().map(|(path, content)| (path.as_str(), content)).collect();
     let (mut bytes, mut count) = (0, 0);
     let mut folders = vec![(folder.to_owned(), String::new())];
@@ -201,10 +201,10 @@ fn changes(folder: &Path, before: &[(String, Bytes)], answer: &mut Answer) -> io
 mod tests {
     use super::*;
 
-    fn run(command: &str, seconds: u64) -> Answer {
+    fn run(command: &str, seconds: u64) -> CommandOutcome {
         let folder = tempfile::tempdir().unwrap();
         let file = |path: &str, text: &str| (path.to_owned(), Bytes::copy_from_slice(text.as_bytes()));
-        let call = Call {
+        let call = SystemCommand {
             command,
             folder: "sub",
             files: vec![file("a.txt", "one\n"), file("sub/b.txt", "two\n")],
@@ -219,7 +219,7 @@ mod tests {
         let written = [("a.txt", "changed\n"), ("sub/c.txt", "new\n")];
         let written = written.map(|(path, text)| (path.to_owned(), text.to_owned())).to_vec();
         let removed = vec!["sub/b.txt".to_owned()];
-        assert_eq!(answer, Answer { status: 3, output: "one\ntwo\n".to_owned(), written, removed });
+        assert_eq!(answer, CommandOutcome { status: 3, output: "one\ntwo\n".to_owned(), written, removed });
     }
 
     #[test]

@@ -6,14 +6,14 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 
 /// Between two lines.
 const EVERY: Duration = Duration::from_secs(1);
 
 /// Jobs since the last line.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Counts {
+pub(super) struct JobCounts {
     pub(super) accepted: u64,
     pub(super) succeeded: u64,
     pub(super) failed: u64,
@@ -22,43 +22,43 @@ pub(super) struct Counts {
 
 /// The events since the last line.
 #[derive(Debug, Default)]
-pub(super) struct Tally(Mutex<(Counts, Option<Instant>)>);
+pub(super) struct JobTally(Mutex<(JobCounts, Option<Instant>)>);
 
-impl Tally {
+impl JobTally {
     /// Counts an accepted job.
-    pub(super) fn accepted(&self, record: &Record) {
+    pub(super) fn accepted(&self, record: &JobRecord) {
         tracing::debug!(job = record.id, machine = record.machine_name, tenant = record.tenant, "accepted");
         self.add(|counts| counts.accepted += 1);
     }
 
     /// Counts a job that has ended; others are left out.
-    pub(super) fn ended(&self, record: &Record) {
+    pub(super) fn ended(&self, record: &JobRecord) {
         let count = match record.state {
-            State::Queued | State::Running => return,
-            State::Succeeded => |counts: &mut Counts| counts.succeeded += 1,
-            State::Failed => |counts: &mut Counts| counts.failed += 1,
-            State::Cancelled => |counts: &mut Counts| counts.cancelled += 1,
+            JobState::Queued | JobState::Running => return,
+            JobState::Succeeded => |counts: &mut JobCounts| counts.succeeded += 1,
+            JobState::Failed => |counts: &mut JobCounts| counts.failed += 1,
+            JobState::Cancelled => |counts: &mut JobCounts| counts.cancelled += 1,
         };
         tracing::debug!(job = record.id, state = ?record.state, events = record.events, error = record.error, "ended");
         self.add(count);
     }
 
-    fn add(&self, count: impl FnOnce(&mut Counts)) {
+    fn add(&self, count: impl FnOnce(&mut JobCounts)) {
         count(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner).0);
     }
 
     /// Writes a line when one is due.
     pub(super) fn report(&self) {
-        if let Some(Counts { accepted, succeeded, failed, cancelled }) = self.due(Instant::now()) {
+        if let Some(JobCounts { accepted, succeeded, failed, cancelled }) = self.due(Instant::now()) {
             tracing::info!(accepted, succeeded, failed, cancelled, "jobs");
         }
     }
 
     /// The current report.
-    fn due(&self, now: Instant) -> Option<Counts> {
+    fn due(&self, now: Instant) -> Option<JobCounts> {
         let mut tally = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (counts, last) = &mut *tally;
-        if *counts == Counts::default() || last.is_some_and(|last| now.saturating_duration_since(last) < EVERY) {
+        if *counts == JobCounts::default() || last.is_some_and(|last| now.saturating_duration_since(last) < EVERY) {
             return None;
         }
         *last = Some(now);
@@ -73,18 +73,22 @@ mod tests {
 
     #[test]
     fn the_jobs_of_a_second_share_a_line_and_none_is_left_out() {
-        let (tally, now) = (Tally::default(), Instant::now());
+        let (tally, now) = (JobTally::default(), Instant::now());
         assert_eq!(tally.due(now), None, "nothing has happened");
         let job = record("1");
         tally.accepted(&job);
         tally.ended(&job);
-        assert_eq!(tally.due(now), Some(Counts { accepted: 1, ..Counts::default() }), "a queued job has not ended");
-        for state in [State::Succeeded, State::Succeeded, State::Failed, State::Cancelled] {
+        assert_eq!(
+            tally.due(now),
+            Some(JobCounts { accepted: 1, ..JobCounts::default() }),
+            "a queued job has not ended"
+        );
+        for state in [JobState::Succeeded, JobState::Succeeded, JobState::Failed, JobState::Cancelled] {
             tally.accepted(&job);
-            tally.ended(&Record { state, ..job.clone() });
+            tally.ended(&JobRecord { state, ..job.clone() });
         }
         assert_eq!(tally.due(now + Duration::from_millis(999)), None);
-        let all = Counts { accepted: 4, succeeded: 2, failed: 1, cancelled: 1 };
+        let all = JobCounts { accepted: 4, succeeded: 2, failed: 1, cancelled: 1 };
         assert_eq!(tally.due(now + EVERY), Some(all));
         assert_eq!(tally.due(now + EVERY * 2), None);
     }

@@ -16,18 +16,18 @@ const FEW: usize = 2;
 
 /// The turns of all callers: tenants or identities.
 #[derive(Debug)]
-pub(crate) struct Turns {
+pub(crate) struct CallerTurns {
     each: usize,
     callers: DashMap<String, Arc<Semaphore>>,
 }
 
-impl Default for Turns {
+impl Default for CallerTurns {
     fn default() -> Self {
         Self { each: crate::cpu::cores().max(FEW), callers: DashMap::new() }
     }
 }
 
-impl Turns {
+impl CallerTurns {
     /// Waits for a turn of a caller.
     pub(crate) async fn turn(self: &Arc<Self>, caller: &str) -> OwnTurn {
         let new = || Arc::new(Semaphore::new(self.each));
@@ -42,7 +42,7 @@ impl Turns {
 /// A turn. When it is dropped, the next call begins.
 #[derive(Debug)]
 pub(crate) struct OwnTurn {
-    all: Arc<Turns>,
+    all: Arc<CallerTurns>,
     caller: String,
     turns: Arc<Semaphore>,
     held: Option<OwnedSemaphorePermit>,
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_caller_waits_for_its_own_turns_only() {
-        let turns = Arc::new(Turns { each: 2, callers: DashMap::new() });
+        let turns = Arc::new(CallerTurns { each: 2, callers: DashMap::new() });
         let mut first = ready(turns.turn("a")).unwrap();
         let second = ready(turns.turn("a")).unwrap();
         assert!(ready(turns.turn("a")).is_none(), "both turns are held");

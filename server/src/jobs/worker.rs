@@ -12,41 +12,41 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::{Control, Stop};
-use counterpoint_kernel::job::{Outcome, STACK};
+use counterpoint_kernel::control::{JobControl, StopSignal};
+use counterpoint_kernel::job::{RunEnd, STACK};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use prost::Message as _;
 
 use super::Core;
-use super::attended::Attended;
+use super::attended::DeskOperator;
 use super::describe::description;
-use super::ends::End;
-use super::files::Sandbox;
+use super::ends::JobEnd;
+use super::files::JobSandbox;
 use super::limits::Stopped;
-use super::live::{Live, Run};
+use super::live::{LiveJob, PreparedRun};
 use super::sink::JobSink;
 use super::system::Shell;
 use super::{received, reuse};
 use crate::cpu;
 use crate::ledger::first_error::FirstError;
-use crate::ledger::record::{Cause, Reached, Record, State, Work};
-use crate::log::wanted::Wanted;
-use crate::log::writer::{Ended, Place, Small, Writer};
-use crate::machines::Definition;
-use crate::pace::Pace;
+use crate::ledger::record::{Cause, JobRecord, JobState, JobWork, ReachedLimit};
+use crate::log::wanted::ResultGate;
+use crate::log::writer::{FinishedLog, LogDestination, Small, Writer};
+use crate::machines::MachineRecord;
+use crate::pace::LogRateLimit;
 use crate::reason::Refusal;
-use crate::results::{Document, Finished};
-use crate::runner::{Prepared, Task};
+use crate::results::{Finished, StoredResult};
+use crate::runner::{PreparedJob, ResolvedJob};
 
 /// Lines about runs that the host has failed.
-static FAILED_BY_HOST: Pace = Pace::new();
+static FAILED_BY_HOST: LogRateLimit = LogRateLimit::new();
 
 /// Starts a worker thread for a job, and for others while they wait.
-pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
+pub(super) fn start(core: Arc<Core>, live: Arc<LiveJob>) {
     let (spare_core, spare_live) = (core.clone(), live.clone());
     let work = move || {
         cpu::run_after_callers();
@@ -62,7 +62,7 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     }
 }
 
-fn work(core: &Arc<Core>, live: &Arc<Live>) {
+fn work(core: &Arc<Core>, live: &Arc<LiveJob>) {
     let span = live.span();
     let _inside = span.enter();
     let begin = cpu::of_this_thread();
@@ -84,11 +84,11 @@ fn work(core: &Arc<Core>, live: &Arc<Live>) {
 }
 
 /// Change of a record at the end of a run.
-pub(super) type Change = Box<dyn FnOnce(&mut Record)>;
+pub(super) type Change = Box<dyn FnOnce(&mut JobRecord)>;
 
 fn failed(error: String) -> Change {
     Box::new(|record| {
-        record.state = State::Failed;
+        record.state = JobState::Failed;
         record.runs.cause = Some(Cause::Host);
         record.error = error;
     })
@@ -98,7 +98,7 @@ fn refused((cause, findings): (Cause, Vec<Finding>)) -> Change {
     let first = findings.iter().find(|f| f.error).or(findings.first());
     let error = first.map_or_else(|| "the job cannot be run".to_owned(), ToString::to_string);
     Box::new(move |record| {
-        record.state = State::Failed;
+        record.state = JobState::Failed;
         record.runs.cause = Some(cause);
         record.error = error;
         record.first_error = findings
@@ -112,7 +112,7 @@ fn refused((cause, findings): (Cause, Vec<Finding>)) -> Change {
 /// The server is going down: the next one runs the job.
 fn queued_again() -> Change {
     Box::new(|record| {
-        record.state = State::Queued;
+        record.state = JobState::Queued;
         record.runs.drop_last();
     })
 }
@@ -120,7 +120,7 @@ fn queued_again() -> Change {
 /// The run has reached a limit of the server before it was prepared.
 fn late((reached, limit): Stopped) -> Change {
     Box::new(move |record| {
-        record.state = State::Failed;
+        record.state = JobState::Failed;
         (record.runs.cause, record.runs.reached) = (Some(Cause::Limit), Some(reached));
         record.verdict.clone_from(&limit);
         record.runs.limit = limit;
@@ -134,7 +134,7 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 
 /// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: the
 /// ledger holds the job as queued all the time.
-fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String, used: Duration) {
+fn again(core: &Arc<Core>, live: Arc<LiveJob>, trouble: String, used: Duration) {
     core.metrics.jobs.failed_by_host.inc();
     if let Some(left_out) = FAILED_BY_HOST.pass() {
         tracing::warn!(trouble, left_out, "the host has failed the run; the job waits for another");
@@ -147,19 +147,19 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String, used: Duration) {
 }
 
 /// Drops a run that a pause has stopped; the ledger holds the job as queued and paused.
-fn paused(core: &Arc<Core>, live: &Arc<Live>, used: Duration) {
+fn paused(core: &Arc<Core>, live: &Arc<LiveJob>, used: Duration) {
     drop_run(core, live, used, |_| {});
     core.aside(live);
 }
 
 /// Drops a run that does not count as an attempt.
-fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut Record)) -> Record {
+fn drop_run(core: &Core, live: &LiveJob, used: Duration, change: impl FnOnce(&mut JobRecord)) -> JobRecord {
     live.forget_run();
     if let Err(error) = core.logs.remove(&live.id) {
         tracing::warn!(%error, "the results of the unfinished run stay until the next run");
     }
     live.change(|record| {
-        if std::mem::replace(&mut record.state, State::Queued) == State::Running {
+        if std::mem::replace(&mut record.state, JobState::Queued) == JobState::Running {
             record.runs.drop_last();
         }
         record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
@@ -171,7 +171,7 @@ fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut R
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Hands the end over, to be made durable and then visible.
-fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, used: Duration) {
+fn end(core: &Arc<Core>, live: &Arc<LiveJob>, change: Change, log: Option<Small>, used: Duration) {
     let mut record = live.record();
     change(&mut record);
     record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
@@ -181,15 +181,15 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, u
         record.end(&core.board.clock);
     }
     core.leave(live);
-    End::new(core, live, record, log).keep();
+    JobEnd::new(core, live, record, log).keep();
 }
 
 /// Data that a run leaves to be stored.
 struct Through {
-    outcome: Outcome,
+    outcome: RunEnd,
     finished: Finished,
     limit: String,
-    reached: Option<Reached>,
+    reached: Option<ReachedLimit>,
     writer: Option<Writer>,
     /// Digest by which equal jobs find the results; empty if equal jobs may not use these results.
     digest: String,
@@ -206,7 +206,7 @@ enum Ran {
     Paused,
 }
 
-fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
+fn run(core: &Arc<Core>, live: &Arc<LiveJob>) -> Result<Ran, Refusal> {
     let work = live.take_work().map_or_else(|| core.work(&live.id), Ok)?;
     // A run that takes the server down has left its mark.
     let record = core.begin_run(live)?;
@@ -228,28 +228,28 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
         return Ok(Ran::Reused(change, log));
     }
     let outcomes = work.outcomes();
-    let Work { machine, files, options, .. } = work;
-    let files = Sandbox::new(core.blobs.of(&record.tenant), files);
-    let options = Options { threads: core.threads(options.threads), ..options };
+    let JobWork { machine, files, options, .. } = work;
+    let files = JobSandbox::new(core.blobs.of(&record.tenant), files);
+    let options = JobOptions { threads: core.threads(options.threads), ..options };
     let trusted = machine.trusted;
     let prepared = prepare_with(core, &record, &machine, options, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
         Ok(prepared) => prepared,
-        Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = State::Cancelled))),
+        Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = JobState::Cancelled))),
         Err(_) if let Some(stopped) = live.reached() => return Ok(Ran::Over(late(stopped))),
         Err(_) if stop.asked() => return Ok(interrupted(core)),
         Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
-    let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
+    let mut control = JobControl::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.attended {
         let tenant = live.peek(|record| record.tenant.clone());
         *live.desk().received() = Some(received::received_before(core, &tenant, &outcomes));
         live.desk().record(outcomes);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         let (ledger, desk, job) = (core.ledger.clone(), live.desk().clone(), live.id.clone());
-        control = control.with_operator(Arc::new(Attended { ledger, desk, job }));
+        control = control.with_operator(Arc::new(DeskOperator { ledger, desk, job }));
     }
     if record.stepped {
         live.stepping().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
@@ -260,7 +260,7 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
         control = control.with_system(Arc::new(shell));
     }
     let control = Arc::new(control);
-    live.prepared(Run { info: info.clone(), control: control.clone() });
+    live.prepared(PreparedRun { info: info.clone(), control: control.clone() });
     if core.options.embedded.log {
         let head = description(&info).encode_to_vec();
         let place = core.logs.begin(&live.id)?;
@@ -284,7 +284,7 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     }
     let (reached, limit) = match limit {
         Some((reached, limit)) => (Some(reached), limit),
-        None => (control.reached().map(Reached::from), String::new()),
+        None => (control.reached().map(ReachedLimit::from), String::new()),
     };
     let finished = Finished::new(builder.finish(&outcome), written, &limit);
     let digest = digest.filter(|_| reached.is_none() && !control.used_outside()).unwrap_or_default();
@@ -298,13 +298,13 @@ fn interrupted(core: &Core) -> Ran {
 
 impl Through {
     /// Stores log and results; a log that is small goes into the ledger with the end of the job.
-    fn store(self, core: &Arc<Core>, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
+    fn store(self, core: &Arc<Core>, live: &LiveJob) -> Result<(Change, Option<Small>), Refusal> {
         let Self { outcome, finished, limit, reached, writer, digest } = self;
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
         let (log, mut place) = match writer.map(Writer::finish).transpose()? {
-            Some(Ended::Small(log)) => (Some(log), None),
-            Some(Ended::Placed(place)) => (None, Some(place)),
+            Some(FinishedLog::Small(log)) => (Some(log), None),
+            Some(FinishedLog::Placed(place)) => (None, Some(place)),
             None => (None, None),
         };
         let packed = place.as_mut().map_or(Ok(bytes), |place| place.pack())?;
@@ -318,13 +318,13 @@ impl Through {
         let change: Change = Box::new(move |record| {
             let summary = &finished.results.summary;
             record.state = match summary.state {
-                summary::State::Cancelled => State::Cancelled,
-                summary::State::Failed => State::Failed,
-                summary::State::Succeeded => State::Succeeded,
+                summary::JobOutcome::Cancelled => JobState::Cancelled,
+                summary::JobOutcome::Failed => JobState::Failed,
+                summary::JobOutcome::Succeeded => JobState::Succeeded,
             };
-            record.runs.cause = (record.state == State::Failed).then_some(cause);
-            record.first_error = FirstError::of(summary).filter(|_| record.state == State::Failed);
-            record.runs.reached = reached.filter(|_| record.state == State::Failed);
+            record.runs.cause = (record.state == JobState::Failed).then_some(cause);
+            record.first_error = FirstError::of(summary).filter(|_| record.state == JobState::Failed);
+            record.runs.reached = reached.filter(|_| record.state == JobState::Failed);
             record.events = outcome.events;
             record.runs.limit = limit;
             record.runs.has_files = has_files;
@@ -345,8 +345,8 @@ impl Through {
 /// Makes the log and the files of a job durable.
 pub(super) fn seal(
     core: &Arc<Core>,
-    live: &Live,
-    place: Option<Box<dyn Place>>,
+    live: &LiveJob,
+    place: Option<Box<dyn LogDestination>>,
     has_files: bool,
 ) -> Result<(), Refusal> {
     if place.is_some() || has_files {
@@ -365,25 +365,25 @@ type Unusable = (Cause, Vec<Finding>);
 /// Loads the machine and the programs of a job, or says which of them cannot be used.
 pub(crate) fn prepare(
     core: &Core,
-    record: &Record,
-    work: Work,
-    files: &Sandbox,
-    stop: &Stop,
-) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
+    record: &JobRecord,
+    work: JobWork,
+    files: &JobSandbox,
+    stop: &StopSignal,
+) -> Result<Result<Box<dyn PreparedJob>, Unusable>, Refusal> {
     prepare_with(core, record, &work.machine, work.options, files, stop)
 }
 
 fn prepare_with(
     core: &Core,
-    record: &Record,
-    machine: &Definition,
-    options: Options,
-    files: &Sandbox,
-    stop: &Stop,
-) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
+    record: &JobRecord,
+    machine: &MachineRecord,
+    options: JobOptions,
+    files: &JobSandbox,
+    stop: &StopSignal,
+) -> Result<Result<Box<dyn PreparedJob>, Unusable>, Refusal> {
     let checked = core.machines.load(machine)?;
     let Some(machine) = checked.machine else { return Ok(Err((Cause::Machine, checked.findings))) };
-    let task = Task { machine, programs: record.programs.clone(), options };
+    let task = ResolvedJob { machine, programs: record.programs.clone(), options };
     Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))
 }
 
@@ -392,8 +392,8 @@ pub(super) const RESULTS_FROM: u64 = 1 << 20;
 
 /// Stores the results that take time to make from the log, and keeps all results in memory for a while. `bytes`: of the
 /// log. Also returns the bytes of log, files and results.
-fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<(Arc<Finished>, u64), Refusal> {
-    let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
+fn keep(core: &Arc<Core>, live: &LiveJob, mut finished: Finished, bytes: u64) -> Result<(Arc<Finished>, u64), Refusal> {
+    let files = if finished.files.is_empty() { None } else { finished.document(StoredResult::Files) };
     finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);
     let finished = Arc::new(finished);
     live.keep(finished.clone());
@@ -402,7 +402,7 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
         return Ok((finished, stored));
     }
     if let Some(files) = files {
-        core.logs.write(&live.id, Document::Files.file(), &files)?;
+        core.logs.write(&live.id, StoredResult::Files.file(), &files)?;
     }
     if bytes >= RESULTS_FROM {
         stored += store_results(core, live, finished.clone());
@@ -412,13 +412,13 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
 
 /// Stores results that can be made again; returns their bytes. This may take long: if the run is to end meanwhile, the
 /// remaining results are not stored. Results that are not stored are made from the log on request.
-fn store_results(core: &Core, live: &Live, finished: Arc<Finished>) -> u64 {
+fn store_results(core: &Core, live: &LiveJob, finished: Arc<Finished>) -> u64 {
     let (done, stored) = channel();
     let (logs, id, run) = (core.logs.clone(), live.id.clone(), live.run());
-    let wanted = Arc::new(Wanted::default());
+    let wanted = Arc::new(ResultGate::default());
     let still = wanted.clone();
     let store = move || {
-        for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
+        for document in StoredResult::ALL.into_iter().filter(|document| *document != StoredResult::Files) {
             if let Some(text) = finished.document(document) {
                 logs.write_spare(&id, document.file(), &text, &still)?;
                 // If the receiver is gone, the run has ended without this result.

@@ -19,16 +19,16 @@ use bytes::Bytes;
 use tokio::sync::watch;
 use uuid::Uuid;
 
-use crate::machines::Definition;
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
-use record::{Record, State, Work};
+use record::{JobRecord, JobState, JobWork};
 use settled::Settled;
 
 /// Asked before something is stored, while no blob can be collected.
 pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;
 /// Called when a job is durable, in the order of acceptance.
-pub(crate) type Accepted = Box<dyn FnOnce(&Record) + Send>;
+pub(crate) type Accepted = Box<dyn FnOnce(&JobRecord) + Send>;
 
 /// Called with how it went.
 pub(crate) type Then = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
@@ -36,17 +36,17 @@ pub(crate) type Then = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 /// A job to accept: its record has no identity yet. In a box, as each future that it passes through would copy it.
 #[derive(Debug)]
 pub(crate) struct NewJob {
-    pub(crate) record: Record,
-    pub(crate) work: Work,
+    pub(crate) record: JobRecord,
+    pub(crate) work: JobWork,
 }
 
 /// Answer to a submit.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Submitted {
+pub(crate) enum SubmitOutcome {
     /// Accepted now; it has got its identity.
-    New(Box<Record>),
+    New(Box<JobRecord>),
     /// Accepted earlier under this id.
-    Known(Box<Record>),
+    Known(Box<JobRecord>),
 }
 
 /// The kept data of ended jobs.
@@ -62,12 +62,12 @@ pub(crate) struct Keep {
     pub(crate) tenant_jobs: Option<u64>,
     pub(crate) tenant_bytes: Option<u64>,
     /// Tenants of which other amounts are kept.
-    pub(crate) own: BTreeMap<String, Kept>,
+    pub(crate) own: BTreeMap<String, TenantRetention>,
 }
 
 /// The kept data of the ended jobs of one tenant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Kept {
+pub(crate) struct TenantRetention {
     /// How long, ms.
     pub(crate) age_ms: Option<i64>,
     /// How many.
@@ -78,22 +78,22 @@ pub(crate) struct Kept {
 
 impl Keep {
     /// The kept data of a tenant.
-    pub(crate) fn of(&self, tenant: &str) -> Kept {
-        let all = || Kept { age_ms: self.age_ms, jobs: self.tenant_jobs, bytes: self.tenant_bytes };
+    pub(crate) fn of(&self, tenant: &str) -> TenantRetention {
+        let all = || TenantRetention { age_ms: self.age_ms, jobs: self.tenant_jobs, bytes: self.tenant_bytes };
         self.own.get(tenant).copied().unwrap_or_else(all)
     }
 
     /// Whether everything is kept.
     pub(crate) fn everything(&self) -> bool {
         let limits = [self.jobs, self.bytes, self.tenant_jobs, self.tenant_bytes];
-        let own = self.own.values().all(|own| *own == Kept::default());
+        let own = self.own.values().all(|own| *own == TenantRetention::default());
         own && self.age_ms.is_none() && limits.iter().all(Option::is_none)
     }
 }
 
 /// An ended job.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Ended {
+pub(crate) struct EndedJob {
     pub(crate) id: String,
     /// By the clock that never goes back.
     pub(crate) ended_ms: i64,
@@ -104,7 +104,7 @@ pub(crate) struct Ended {
 pub(crate) struct Query {
     pub(crate) tenant: String,
     /// In one of these states; empty = in any, unless jobs that are held back are wanted.
-    pub(crate) states: BTreeSet<State>,
+    pub(crate) states: BTreeSet<JobState>,
     /// Jobs that run: the ledger knows them as waiting.
     pub(crate) running: BTreeSet<String>,
     /// Jobs that are held back, if those are wanted beside the ones in the states.
@@ -133,7 +133,7 @@ pub(crate) const PAGE_BYTES: u64 = 1 << 20;
 /// A page of jobs.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
-    pub(crate) jobs: Vec<Record>,
+    pub(crate) jobs: Vec<JobRecord>,
     /// Of the same jobs, if requested.
     pub(crate) short_ids: Vec<String>,
     /// Bytes of their rows.
@@ -192,14 +192,19 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     fn writable(&self) -> watch::Receiver<bool>;
 
     /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
-    async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal>;
+    async fn submit(
+        &self,
+        job: Box<NewJob>,
+        check: Check<JobWork>,
+        accepted: Accepted,
+    ) -> Result<SubmitOutcome, Refusal>;
 
     /// Stores a new state of a job. Cancels and pauses that were stored before are kept, here, in
     /// [`Ledger::update_blocking`] and in [`Ledger::end`]; only the end of the job ends a pause.
-    async fn update(&self, record: Record) -> Result<(), Refusal>;
+    async fn update(&self, record: JobRecord) -> Result<(), Refusal>;
 
     /// Stores new states of jobs, either all or none, from a thread that may block.
-    fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
+    fn update_blocking(&self, records: Vec<JobRecord>) -> Result<(), Refusal>;
 
     /// Notes that the cancel of a job was accepted.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
@@ -218,40 +223,40 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Stores the end of a job, with its log if that is small, from a thread that may block until others have been
     /// taken; `then` is called when the end is durable or could not be made so, and must not block.
-    fn end(&self, record: Record, log: Option<Bytes>, then: Then);
+    fn end(&self, record: JobRecord, log: Option<Bytes>, then: Then);
 
     /// The log of a job, if it is kept here.
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal>;
 
     /// Removes a job and its request id; `false` if it was removed before.
-    async fn remove(&self, record: Record) -> Result<bool, Refusal>;
+    async fn remove(&self, record: JobRecord) -> Result<bool, Refusal>;
 
     /// Removes ended jobs, from a thread that may block; returns for each job `false` if it was removed before.
-    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal>;
+    fn remove_blocking(&self, jobs: Vec<EndedJob>) -> Result<Vec<bool>, Refusal>;
 
     /// Ended jobs beyond the retention limits, oldest first, with the time of their end.
-    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal>;
+    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<EndedJob>, Refusal>;
 
     /// One job.
-    fn job(&self, id: &str) -> Result<Option<Record>, Refusal>;
+    fn job(&self, id: &str) -> Result<Option<JobRecord>, Refusal>;
 
     /// The work of a job.
-    fn work(&self, id: &str) -> Result<Option<Work>, Refusal>;
+    fn work(&self, id: &str) -> Result<Option<JobWork>, Refusal>;
 
     /// Whether there is a row of a job, readable or not.
     fn knows(&self, id: &str) -> Result<bool, Refusal>;
 
     /// The job of a tenant that was accepted under a request id.
-    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal>;
+    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<JobRecord>, Refusal>;
 
     /// The most recently ended job of a tenant with this digest of its inputs.
-    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal>;
+    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<JobRecord>, Refusal>;
 
     /// A page of jobs. It takes a bounded time, however many jobs there are and however few are wanted.
     fn jobs(&self, query: &Query) -> Result<Page, Refusal>;
 
     /// Jobs that had not ended when the server went down, in order of submission.
-    fn unfinished(&self) -> Result<Vec<Record>, Refusal>;
+    fn unfinished(&self) -> Result<Vec<JobRecord>, Refusal>;
 
     /// The use of each tenant.
     fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal>;
@@ -270,17 +275,17 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Stores a machine of a tenant under its name and its revision. One that is trusted is replaced by another such
     /// only.
-    async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal>;
+    async fn put_machine(&self, definition: MachineRecord, check: Check<MachineRecord>) -> Result<(), Refusal>;
 
     /// Removes a machine of a tenant with all its revisions; `false` if there is none. One that is trusted is removed
     /// for `trusted` callers only.
     async fn remove_machine(&self, tenant: String, name: String, trusted: bool) -> Result<bool, Refusal>;
 
     /// A machine of a tenant by `name` or `name@revision`.
-    fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal>;
+    fn machine(&self, tenant: &str, name: &str) -> Result<Option<MachineRecord>, Refusal>;
 
     /// All machines of a tenant, newest revision each, by name.
-    fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal>;
+    fn machines(&self, tenant: &str) -> Result<Vec<MachineRecord>, Refusal>;
 
     /// Calls `remove` for those of the blobs of a tenant that no row needs; meanwhile no row can begin to need one.
     fn collect_blocking(

@@ -1,19 +1,19 @@
-//! A job as the ledger keeps it: its [`Record`], which a status needs and which stays in memory while the job has not
-//! ended, and its [`Work`], which only a run needs.
+//! A job as the ledger keeps it: its [`JobRecord`], which a status needs and which stays in memory while the job has not
+//! ended, and its [`JobWork`], which only a run needs.
 //!
-//! Invariants: the memory of a waiting job does not depend on its `Work`, unless the work is small. States only go
+//! Invariants: the memory of a waiting job does not depend on its `JobWork`, unless the work is small. States only go
 //! forward (QUEUED → RUNNING → one of the three ends), except after a crash or a shutdown during a run:
 //! RUNNING → QUEUED.
 
 use std::collections::BTreeMap;
 
 use counterpoint_kernel::control::Limit;
-use counterpoint_kernel::job::Program;
+use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use super::work::Work;
+pub(crate) use super::work::JobWork;
 use super::{crashes::Crashes, first_error::FirstError};
 use crate::clock::Clock;
 pub(crate) use crate::clock::now_ms;
@@ -23,7 +23,7 @@ use crate::tenant;
 /// State of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
-pub enum State {
+pub enum JobState {
     /// Accepted.
     Queued,
     /// A worker runs it.
@@ -36,7 +36,7 @@ pub enum State {
     Cancelled,
 }
 
-impl State {
+impl JobState {
     /// Whether nothing more will happen.
     #[must_use]
     pub fn ended(self) -> bool {
@@ -85,7 +85,7 @@ pub enum Cause {
 /// A limit that stopped a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Reached {
+pub enum ReachedLimit {
     /// Time of the run by the clock.
     WallMs,
     /// Bytes of log and files.
@@ -106,7 +106,7 @@ pub enum Reached {
     MacroSteps,
 }
 
-impl Reached {
+impl ReachedLimit {
     /// Its name, that of the option of the job.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -123,7 +123,7 @@ impl Reached {
     }
 }
 
-impl From<Limit> for Reached {
+impl From<Limit> for ReachedLimit {
     fn from(limit: Limit) -> Self {
         match limit {
             Limit::SimulatedTime => Self::SimulatedNs,
@@ -188,7 +188,7 @@ pub struct Runs {
     pub cpu_us: u64,
     /// The limit that stopped the job.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reached: Option<Reached>,
+    pub reached: Option<ReachedLimit>,
     /// The cause of the failure of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
@@ -208,7 +208,7 @@ impl Runs {
 /// Request of a client besides programs and options.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Asked {
+pub struct JobAttributes {
     /// Labels to find the job by.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, String>,
@@ -227,7 +227,7 @@ pub struct Asked {
     pub no_cache: bool,
     /// Limits of the kernel that were requested, 0 = none; absent = none at all.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub limits: Option<Limits>,
+    pub limits: Option<JobLimits>,
 }
 
 /// Whether a time has never been stored.
@@ -254,9 +254,9 @@ pub struct Reuse {
 /// server.
 pub(crate) const CONTENT: &str = "2:";
 
-/// A job without its `Work`.
+/// A job without its `JobWork`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct JobRecord {
     /// Identity, ascending in order of submission.
     pub id: String,
     /// Tenant that it belongs to.
@@ -272,7 +272,7 @@ pub struct Record {
     /// The machine, pinned.
     pub machine: Pinned,
     /// Programs, left to right.
-    pub programs: Vec<Program>,
+    pub programs: Vec<ProgramSelection>,
     /// Its options say that an operator answers its dialogs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
@@ -281,12 +281,12 @@ pub struct Record {
     pub stepped: bool,
     /// Further requests.
     #[serde(flatten)]
-    pub asked: Asked,
+    pub asked: JobAttributes,
     /// Results shared with equal jobs.
     #[serde(flatten)]
     pub reuse: Reuse,
     /// State.
-    pub state: State,
+    pub state: JobState,
     /// Its runs.
     #[serde(flatten)]
     pub runs: Runs,
@@ -331,9 +331,9 @@ pub struct Record {
     pub first_error: Option<FirstError>,
 }
 
-impl Record {
+impl JobRecord {
     /// A job with this work that has not run, without a name or programs.
-    pub(crate) fn queued(work: &Work) -> Self {
+    pub(crate) fn queued(work: &JobWork) -> Self {
         Self {
             id: String::new(),
             tenant: tenant::default(),
@@ -344,9 +344,9 @@ impl Record {
             programs: Vec::new(),
             attended: work.options.attended,
             stepped: work.options.stepped,
-            asked: Asked::default(),
+            asked: JobAttributes::default(),
             reuse: Reuse::default(),
-            state: State::Queued,
+            state: JobState::Queued,
             runs: Runs::default(),
             cancel: false,
             paused: false,
@@ -389,9 +389,9 @@ impl Record {
     /// earlier run that a pause or the end of a server has stopped; so may a run that an operator has stepped through.
     pub(crate) fn log_is_final(&self) -> bool {
         let stopped = match self.state {
-            State::Queued | State::Running | State::Cancelled => true,
-            State::Failed => self.runs.cause != Some(Cause::Program),
-            State::Succeeded => false,
+            JobState::Queued | JobState::Running | JobState::Cancelled => true,
+            JobState::Failed => self.runs.cause != Some(Cause::Program),
+            JobState::Succeeded => false,
         };
         !stopped && !self.stepped
     }
@@ -403,12 +403,12 @@ impl Record {
 
     /// Same with the work of both. The content of an early row covers limits that the server filled in: only fields
     /// that the client certainly sent are compared.
-    pub(crate) fn asks_the_same_work(&self, work: &Work, other: &Self, other_work: &Work) -> bool {
-        let sent = |work: &Work| Options { limits: Limits::default(), ..work.options.clone() };
+    pub(crate) fn asks_the_same_work(&self, work: &JobWork, other: &Self, other_work: &JobWork) -> bool {
+        let sent = |work: &JobWork| JobOptions { limits: JobLimits::default(), ..work.options.clone() };
         self.machine_name == other.machine_name
             && self.programs == other.programs
             && work.files == other_work.files
-            && other.asked == Asked { limits: other.asked.limits.clone(), ..Asked::default() }
+            && other.asked == JobAttributes { limits: other.asked.limits.clone(), ..JobAttributes::default() }
             && sent(work) == sent(other_work)
     }
 }
@@ -416,18 +416,18 @@ impl Record {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::machines::Definition;
+    use crate::machines::MachineRecord;
 
     /// Work on a shipped machine.
-    pub(crate) fn work() -> Work {
-        let machine = Definition::shipped("fanuc-mill");
-        Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new(), late: Vec::new() }
+    pub(crate) fn work() -> JobWork {
+        let machine = MachineRecord::shipped("fanuc-mill");
+        JobWork { machine, files: Vec::new(), options: JobOptions::default(), answers: Vec::new(), late: Vec::new() }
     }
 
     #[test]
     fn no_job_ends_before_its_submit_or_its_start() {
         let ahead = now_ms() + 3_600_000;
-        let mut later = Record { submitted_ms: ahead, ..record("a") };
+        let mut later = JobRecord { submitted_ms: ahead, ..record("a") };
         later.end(&Clock::from(ahead));
         assert!(later.ended_ms == ahead && later.aging_ms >= ahead);
         later.runs.started_ms = 2 * ahead;
@@ -437,7 +437,7 @@ pub(crate) mod tests {
     }
 
     /// A queued job.
-    pub(crate) fn record(id: &str) -> Record {
-        Record { id: id.to_owned(), request_id: id.to_owned(), ..Record::queued(&work()) }
+    pub(crate) fn record(id: &str) -> JobRecord {
+        JobRecord { id: id.to_owned(), request_id: id.to_owned(), ..JobRecord::queued(&work()) }
     }
 }

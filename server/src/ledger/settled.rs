@@ -5,10 +5,10 @@
 
 use std::collections::HashMap;
 
-use counterpoint_kernel::dialog::answers::Answer;
+use counterpoint_kernel::dialog::answers::DialogAnswer;
 use counterpoint_kernel::dialog::operator::Silence;
 
-use super::record::Work;
+use super::record::JobWork;
 
 /// The outcome of a question to the operator.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,10 +16,10 @@ pub(crate) struct Settled {
     pub(crate) channel: u16,
     /// Number of the question within the channel, from 1.
     pub(crate) question: u64,
-    pub(crate) answer: Result<Answer, Silence>,
+    pub(crate) answer: Result<DialogAnswer, Silence>,
 }
 
-impl Work {
+impl JobWork {
     /// Adds the outcome of a question. It replaces an outcome that was stored for the question but not acknowledged.
     pub(crate) fn settle(&mut self, Settled { channel, question, answer }: Settled) {
         self.late.retain(|(of, number)| *of != channel || *number < question);
@@ -35,9 +35,9 @@ impl Work {
     }
 
     /// The outcomes of the questions so far, by channel in the order of the questions.
-    pub(crate) fn outcomes(&self) -> Vec<(u16, Result<Answer, Silence>)> {
+    pub(crate) fn outcomes(&self) -> Vec<(u16, Result<DialogAnswer, Silence>)> {
         let mut asked: HashMap<u16, u64> = HashMap::new();
-        let outcome = |(channel, answer): &(u16, Option<Answer>)| {
+        let outcome = |(channel, answer): &(u16, Option<DialogAnswer>)| {
             let number = asked.entry(*channel).or_default();
             *number += 1;
             let silence = if self.late.contains(&(*channel, *number)) { Silence::Late } else { Silence::Declined };
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn the_outcome_of_a_question_replaces_one_that_was_not_acknowledged() {
         let mut work = work();
-        let answer = |button: &str| Ok(Answer { button: Some(button.into()), ..Answer::default() });
+        let answer = |button: &str| Ok(DialogAnswer { button: Some(button.into()), ..DialogAnswer::default() });
         let (declined, late) = (|| Err(Silence::Declined), || Err(Silence::Late));
         let settled = [
             (1, 1, answer("a")),
@@ -68,7 +68,7 @@ mod tests {
         for (channel, question, answer) in settled {
             work.settle(Settled { channel, question, answer });
         }
-        let work: Work = serde_json::from_str(&serde_json::to_string(&work).unwrap()).unwrap();
+        let work: JobWork = serde_json::from_str(&serde_json::to_string(&work).unwrap()).unwrap();
         assert_eq!(work.outcomes(), [(1, answer("a")), (2, late()), (1, declined()), (2, answer("c"))]);
     }
 }

@@ -1,31 +1,31 @@
 //! The part of a job that only a run needs, in a row of its own.
 
-use counterpoint_kernel::dialog::answers::Answer;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::dialog::answers::DialogAnswer;
+use counterpoint_kernel::options::JobOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::machines::Definition;
+use crate::machines::MachineRecord;
 
 /// The part of a job that only a run needs. It may be large.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Work {
+pub(crate) struct JobWork {
     /// The machine with the digests of its files.
-    pub(crate) machine: Definition,
+    pub(crate) machine: MachineRecord,
     /// Path and digest of every file.
     pub(crate) files: Vec<(String, String)>,
     /// Options, with the limits that count.
     #[serde(default)]
-    pub(crate) options: Options,
+    pub(crate) options: JobOptions,
     /// Outcomes of the questions to the operator so far, by channel in the order of the questions; used again when the
     /// job is run again.
     #[serde(default)]
-    pub(crate) answers: Vec<(u16, Option<Answer>)>,
+    pub(crate) answers: Vec<(u16, Option<DialogAnswer>)>,
     /// Channel and number of the questions that no operator answered in time; others without an answer were declined.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) late: Vec<(u16, u64)>,
 }
 
-impl Work {
+impl JobWork {
     /// Maximum bytes of a work that stays in memory until the first run.
     pub(crate) const SMALL: u64 = 1024;
 
@@ -34,7 +34,7 @@ impl Work {
         const FILE: usize = 128;
         let own = self.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
         let machine = self.machine.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
-        let Options { answers, parameters, warnings_off, warnings_on, ignore_waits, .. } = &self.options;
+        let JobOptions { answers, parameters, warnings_off, warnings_on, ignore_waits, .. } = &self.options;
         let lists = warnings_off.len() + warnings_on.len() + ignore_waits.len();
         let plain = answers.is_empty() && parameters.is_empty() && lists == 0 && self.answers.is_empty();
         plain && (own.chain(machine).sum::<usize>() as u64) <= Self::SMALL
@@ -43,7 +43,7 @@ impl Work {
 
 #[cfg(test)]
 mod tests {
-    use counterpoint_kernel::dialog::answers::Value;
+    use counterpoint_kernel::dialog::answers::DialogValue;
 
     use super::*;
     use crate::ledger::record::tests::work;
@@ -55,8 +55,8 @@ mod tests {
             bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let number = f64::from_bits(bits ^ (bits >> 29));
             if number.is_finite() {
-                let stored = serde_json::to_vec(&Value::Number(number)).unwrap();
-                assert_eq!(serde_json::from_slice::<Value>(&stored).unwrap(), Value::Number(number));
+                let stored = serde_json::to_vec(&DialogValue::Number(number)).unwrap();
+                assert_eq!(serde_json::from_slice::<DialogValue>(&stored).unwrap(), DialogValue::Number(number));
             }
         }
     }
@@ -64,11 +64,11 @@ mod tests {
     #[test]
     fn only_a_small_work_stays_in_memory() {
         let file = |n: usize| (format!("sub/{n}.nc"), "0".repeat(64));
-        let with = |files: usize| Work { files: (0..files).map(file).collect(), ..work() };
+        let with = |files: usize| JobWork { files: (0..files).map(file).collect(), ..work() };
         assert!(work().is_small() && with(4).is_small() && !with(6).is_small());
-        let answers = vec![Answer::default()];
-        assert!(!Work { options: Options { answers, ..Options::default() }, ..work() }.is_small());
+        let answers = vec![DialogAnswer::default()];
+        assert!(!JobWork { options: JobOptions { answers, ..JobOptions::default() }, ..work() }.is_small());
         let parameters = "-A".to_owned();
-        assert!(!Work { options: Options { parameters, ..Options::default() }, ..work() }.is_small());
+        assert!(!JobWork { options: JobOptions { parameters, ..JobOptions::default() }, ..work() }.is_small());
     }
 }

@@ -12,9 +12,9 @@ use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
 use super::disk::Temporary;
-use super::named::Named as _;
+use super::named::PathContext as _;
 use super::sizes::Sizes;
-use super::store::Store;
+use super::store::DataFolder;
 use crate::blobs::{self, Blobs, hex, is_digest};
 use crate::reason::Refusal;
 use crate::tenant;
@@ -30,7 +30,7 @@ const GROUP: usize = 64;
 /// The blobs of a server.
 #[derive(Debug, Clone)]
 pub(crate) struct LocalBlobs {
-    place: Place,
+    place: BlobStorage,
     tenant: String,
     max: u64,
     sizes: Arc<Sizes>,
@@ -38,19 +38,19 @@ pub(crate) struct LocalBlobs {
 
 /// Where blobs are.
 #[derive(Debug, Clone)]
-enum Place {
-    Files(Store),
+enum BlobStorage {
+    Files(DataFolder),
     Memory(Arc<DashMap<String, Bytes>>),
 }
 
 impl LocalBlobs {
-    pub(crate) fn new(store: Store, max: u64) -> Self {
-        Self { place: Place::Files(store), tenant: tenant::default(), max, sizes: Arc::default() }
+    pub(crate) fn new(store: DataFolder, max: u64) -> Self {
+        Self { place: BlobStorage::Files(store), tenant: tenant::default(), max, sizes: Arc::default() }
     }
 
     /// Blobs that go with the server.
     pub(crate) fn in_memory(max: u64) -> Self {
-        Self { place: Place::Memory(Arc::default()), tenant: tenant::default(), max, sizes: Arc::default() }
+        Self { place: BlobStorage::Memory(Arc::default()), tenant: tenant::default(), max, sizes: Arc::default() }
     }
 
     /// Those of a tenant.
@@ -65,7 +65,7 @@ impl LocalBlobs {
 
     /// Whether the content of a blob matches its digest; has no other effect.
     pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
-        let Place::Files(store) = &self.place else { return Ok(true) };
+        let BlobStorage::Files(store) = &self.place else { return Ok(true) };
         let mut hash = Sha256::new();
         let path = store.blob(&self.tenant, digest);
         let mut file = store.disk().open(&path).at(&path)?;
@@ -76,7 +76,7 @@ impl LocalBlobs {
     /// Time since a blob was uploaded or offered; `None` if there is none, or if the clock has been set back since.
     fn age(&self, digest: &str) -> Option<Duration> {
         match &self.place {
-            Place::Files(store) if is_digest(digest) => {
+            BlobStorage::Files(store) if is_digest(digest) => {
                 fs::metadata(store.blob(&self.tenant, digest)).ok()?.modified().ok()?.elapsed().ok()
             }
             _ => None,
@@ -85,7 +85,7 @@ impl LocalBlobs {
 
     /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
     fn damaged(&self, digest: &str) -> io::Error {
-        if let Place::Files(store) = &self.place {
+        if let BlobStorage::Files(store) = &self.place {
             let path = store.blob(&self.tenant, digest);
             let moved = fs::rename(&path, path.with_extension("damaged"));
             tracing::error!(digest, ?moved, "the content of a blob has changed on the disk");
@@ -103,20 +103,20 @@ impl Blobs for LocalBlobs {
 
     fn tenants(&self) -> io::Result<Vec<String>> {
         match &self.place {
-            Place::Files(store) => store.tenants(),
-            Place::Memory(_) => Ok(vec![tenant::default()]),
+            BlobStorage::Files(store) => store.tenants(),
+            BlobStorage::Memory(_) => Ok(vec![tenant::default()]),
         }
     }
 
     fn has(&self, digest: &str) -> bool {
         match &self.place {
-            Place::Files(store) => is_digest(digest) && store.has(&store.blob(&self.tenant, digest)),
-            Place::Memory(blobs) => blobs.contains_key(&self.key(digest)),
+            BlobStorage::Files(store) => is_digest(digest) && store.has(&store.blob(&self.tenant, digest)),
+            BlobStorage::Memory(blobs) => blobs.contains_key(&self.key(digest)),
         }
     }
 
     fn offers(&self, digest: &str) -> bool {
-        if let Place::Files(store) = &self.place
+        if let BlobStorage::Files(store) = &self.place
             && self.age(digest).is_some_and(|age| age > FRESH)
         {
             // Not being able to is fine: then the blob may be collected, and the client is asked for it again.
@@ -129,8 +129,8 @@ impl Blobs for LocalBlobs {
     fn older_than(&self, grace: Duration) -> Box<dyn Iterator<Item = Vec<String>> + '_> {
         Box::new((0..=255u8).flat_map(move |first| {
             let names = match &self.place {
-                Place::Files(store) => store.blobs(&self.tenant, &hex(&[first])).unwrap_or_default(),
-                Place::Memory(_) => Vec::new(),
+                BlobStorage::Files(store) => store.blobs(&self.tenant, &hex(&[first])).unwrap_or_default(),
+                BlobStorage::Memory(_) => Vec::new(),
             };
             let old: Vec<_> = names.into_iter().filter(|name| self.age(name).is_some_and(|age| age >= grace)).collect();
             old.chunks(GROUP).map(<[String]>::to_vec).collect::<Vec<_>>()
@@ -138,7 +138,7 @@ impl Blobs for LocalBlobs {
     }
 
     fn remove_older(&self, digest: &str, grace: Duration) -> bool {
-        let Place::Files(store) = &self.place else { return false };
+        let BlobStorage::Files(store) = &self.place else { return false };
         self.sizes.take(&self.tenant, digest, || {
             let size = self.size(digest);
             let old = self.age(digest).is_some_and(|age| age >= grace);
@@ -148,13 +148,13 @@ impl Blobs for LocalBlobs {
 
     fn read(&self, digest: &str) -> io::Result<Bytes> {
         match &self.place {
-            Place::Files(store) => match store.disk().read(&store.blob(&self.tenant, digest)) {
+            BlobStorage::Files(store) => match store.disk().read(&store.blob(&self.tenant, digest)) {
                 Ok(content) if blobs::digest(&content) == digest => Ok(content.into()),
                 Ok(_) => Err(self.damaged(digest)),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone(digest)),
                 other => other.map(Bytes::from),
             },
-            Place::Memory(blobs) => {
+            BlobStorage::Memory(blobs) => {
                 blobs.get(&self.key(digest)).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
             }
         }
@@ -162,15 +162,15 @@ impl Blobs for LocalBlobs {
 
     fn bytes(&self) -> io::Result<u64> {
         match &self.place {
-            Place::Files(store) => self.sizes.of(&self.tenant, || store.blob_bytes(&self.tenant)),
-            Place::Memory(_) => Ok(0),
+            BlobStorage::Files(store) => self.sizes.of(&self.tenant, || store.blob_bytes(&self.tenant)),
+            BlobStorage::Memory(_) => Ok(0),
         }
     }
 
     fn size(&self, digest: &str) -> u64 {
         match &self.place {
-            Place::Files(store) => fs::metadata(store.blob(&self.tenant, digest)).map_or(0, |meta| meta.len()),
-            Place::Memory(blobs) => blobs.get(&self.key(digest)).map_or(0, |blob| blob.len() as u64),
+            BlobStorage::Files(store) => fs::metadata(store.blob(&self.tenant, digest)).map_or(0, |meta| meta.len()),
+            BlobStorage::Memory(blobs) => blobs.get(&self.key(digest)).map_or(0, |blob| blob.len() as u64),
         }
     }
 
@@ -179,15 +179,15 @@ impl Blobs for LocalBlobs {
             return Err(Refusal::UnknownBlob(digest.to_owned()));
         }
         Ok(match &self.place {
-            Place::Files(store) => {
+            BlobStorage::Files(store) => {
                 let file = store.disk().open(&store.blob(&self.tenant, digest))?;
-                Box::new(Checked { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
+                Box::new(BlobReader { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
             }
-            Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
+            BlobStorage::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
         })
     }
 
-    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn blobs::Receiver>, Refusal> {
+    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn blobs::BlobReceiver>, Refusal> {
         if !is_digest(digest) {
             return Err(Refusal::field("digest", "must be 64 lower-case hexadecimal digits"));
         }
@@ -196,10 +196,10 @@ impl Blobs for LocalBlobs {
         }
         let room = usize::try_from(size.unwrap_or(0)).unwrap_or(0).min(RESERVE);
         let content = match &self.place {
-            Place::Files(store) => Content::File(store.temporary()?),
-            Place::Memory(_) => Content::Memory(Vec::with_capacity(room)),
+            BlobStorage::Files(store) => ReceivedContent::File(store.temporary()?),
+            BlobStorage::Memory(_) => ReceivedContent::Memory(Vec::with_capacity(room)),
         };
-        Ok(Box::new(Receiver {
+        Ok(Box::new(LocalBlobReceiver {
             blobs: self.clone(),
             announced: digest.to_owned(),
             bytes: size,
@@ -211,12 +211,12 @@ impl Blobs for LocalBlobs {
 
     fn put(&self, digest: &str, content: Bytes) -> Result<(), Refusal> {
         match &self.place {
-            Place::Memory(_) if content.len() as u64 > self.max => Err(Refusal::BlobTooLarge(self.max)),
-            Place::Memory(blobs) => {
+            BlobStorage::Memory(_) if content.len() as u64 > self.max => Err(Refusal::BlobTooLarge(self.max)),
+            BlobStorage::Memory(blobs) => {
                 blobs.insert(self.key(digest), content);
                 Ok(())
             }
-            Place::Files(_) => {
+            BlobStorage::Files(_) => {
                 let mut receiver = self.receive(digest, Some(content.len() as u64))?;
                 receiver.chunk(&content)?;
                 receiver.finish().map(drop)
@@ -238,14 +238,14 @@ fn gone(digest: &str) -> io::Error {
 }
 
 /// A blob on its way out.
-struct Checked {
+struct BlobReader {
     blobs: LocalBlobs,
     name: String,
     file: fs::File,
     hash: Sha256,
 }
 
-impl Read for Checked {
+impl Read for BlobReader {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let got = self.file.read(out)?;
         self.hash.update(out.get(..got).unwrap_or_default());
@@ -257,25 +257,25 @@ impl Read for Checked {
 }
 
 /// A blob on its way in.
-struct Receiver {
+struct LocalBlobReceiver {
     blobs: LocalBlobs,
     announced: String,
     /// Bytes that were announced.
     bytes: Option<u64>,
-    content: Content,
+    content: ReceivedContent,
     hash: Sha256,
     size: u64,
 }
 
 /// The received part.
-enum Content {
+enum ReceivedContent {
     File(Temporary),
     Memory(Vec<u8>),
 }
 
-impl blobs::Receiver for Receiver {
+impl blobs::BlobReceiver for LocalBlobReceiver {
     fn in_memory(&self) -> bool {
-        matches!(self.content, Content::Memory(_))
+        matches!(self.content, ReceivedContent::Memory(_))
     }
 
     fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal> {
@@ -288,8 +288,8 @@ impl blobs::Receiver for Receiver {
         }
         self.hash.update(data);
         match &mut self.content {
-            Content::File(file) => file.write_all(data)?,
-            Content::Memory(content) => content.extend_from_slice(data),
+            ReceivedContent::File(file) => file.write_all(data)?,
+            ReceivedContent::Memory(content) => content.extend_from_slice(data),
         }
         Ok(())
     }
@@ -303,7 +303,7 @@ impl blobs::Receiver for Receiver {
             return Err(Refusal::DigestMismatch { announced: self.announced, actual });
         }
         match (self.content, &self.blobs.place) {
-            (Content::File(file), Place::Files(store)) => {
+            (ReceivedContent::File(file), BlobStorage::Files(store)) => {
                 let (tenant, path) = (&self.blobs.tenant, store.blob(&self.blobs.tenant, &actual));
                 self.blobs.sizes.place(tenant, &actual, || {
                     // Another upload of the same content may have been faster.
@@ -315,10 +315,11 @@ impl blobs::Receiver for Receiver {
                     Ok::<_, io::Error>(new.then_some(self.size))
                 })?;
             }
-            (Content::Memory(content), Place::Memory(blobs)) => {
+            (ReceivedContent::Memory(content), BlobStorage::Memory(blobs)) => {
                 drop(blobs.insert(self.blobs.key(&actual), content.into()))
             }
-            (Content::File(_), Place::Memory(_)) | (Content::Memory(_), Place::Files(_)) => {}
+            (ReceivedContent::File(_), BlobStorage::Memory(_))
+            | (ReceivedContent::Memory(_), BlobStorage::Files(_)) => {}
         }
         Ok(self.size)
     }

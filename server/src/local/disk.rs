@@ -15,7 +15,7 @@ use super::owner::Owner;
 
 /// The next operation on a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum DiskOperation {
     /// It is created.
     Create,
     /// This many bytes are written.
@@ -37,7 +37,7 @@ pub trait Faults: Send + Sync {
     ///
     /// # Errors
     /// The error of the step.
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize>;
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize>;
 
     /// Free bytes to be reported; `None` = those of the disk.
     fn free(&self) -> Option<u64> {
@@ -84,31 +84,31 @@ impl Disk {
     }
 
     /// Asks whether a step may be done; of a write, how many bytes.
-    pub(crate) fn step(&self, step: Step, path: &Path) -> io::Result<usize> {
-        if step == Step::Sync {
+    pub(crate) fn step(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
+        if step == DiskOperation::Sync {
             self.syncs.inc();
         }
         self.faults.as_ref().map_or(Ok(usize::MAX), |faults| faults.before(step, path))
     }
 
-    pub(crate) fn create(&self, path: &Path) -> io::Result<Written> {
-        self.step(Step::Create, path)?;
+    pub(crate) fn create(&self, path: &Path) -> io::Result<DiskFile> {
+        self.step(DiskOperation::Create, path)?;
         let file = File::create(path)?;
         self.owner.give(&file)?;
-        Ok(Written { file, path: path.to_owned(), disk: self.clone() })
+        Ok(DiskFile { file, path: path.to_owned(), disk: self.clone() })
     }
 
     /// Opens a file that is written in place, and makes it if it is not there.
-    pub(crate) fn create_or_open(&self, path: &Path) -> io::Result<Written> {
-        self.step(Step::Create, path)?;
+    pub(crate) fn create_or_open(&self, path: &Path) -> io::Result<DiskFile> {
+        self.step(DiskOperation::Create, path)?;
         let file = File::options().create(true).truncate(false).write(true).open(path)?;
         self.owner.give(&file)?;
-        Ok(Written { file, path: path.to_owned(), disk: self.clone() })
+        Ok(DiskFile { file, path: path.to_owned(), disk: self.clone() })
     }
 
     /// A temporary file in `folder`; dropping it removes it.
     pub(crate) fn temporary(&self, folder: &Path) -> io::Result<Temporary> {
-        self.step(Step::Create, folder)?;
+        self.step(DiskOperation::Create, folder)?;
         let file = tempfile::NamedTempFile::new_in(folder)?;
         self.owner.give(file.as_file())?;
         Ok(Temporary { file, disk: self.clone() })
@@ -118,26 +118,26 @@ impl Disk {
         if path.is_dir() {
             return Ok(());
         }
-        self.step(Step::Create, path)?;
+        self.step(DiskOperation::Create, path)?;
         fs::create_dir_all(path)?;
         self.owner.give_folder(path)
     }
 
     /// Makes the names in a folder durable where the system has the notion.
     pub(crate) fn sync_folder(&self, path: &Path) -> io::Result<()> {
-        self.step(Step::Sync, path)?;
+        self.step(DiskOperation::Sync, path)?;
         if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
     }
 
     /// A whole file.
     pub(crate) fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.step(Step::Read, path)?;
+        self.step(DiskOperation::Read, path)?;
         fs::read(path)
     }
 
     /// Opens a file to be read.
     pub(crate) fn open(&self, path: &Path) -> io::Result<File> {
-        self.step(Step::Read, path)?;
+        self.step(DiskOperation::Read, path)?;
         File::open(path)
     }
 
@@ -161,32 +161,32 @@ fn free(_folder: &Path) -> Option<u64> {
 }
 
 fn write(disk: &Disk, path: &Path, file: &mut File, data: &[u8]) -> io::Result<usize> {
-    let most = disk.step(Step::Write(data.len()), path)?;
+    let most = disk.step(DiskOperation::Write(data.len()), path)?;
     file.write(data.get(..most).unwrap_or(data))
 }
 
 /// A file being written.
 #[derive(Debug)]
-pub(crate) struct Written {
+pub(crate) struct DiskFile {
     file: File,
     path: PathBuf,
     disk: Disk,
 }
 
-impl Written {
+impl DiskFile {
     pub(crate) fn sync(&self) -> io::Result<()> {
-        self.disk.step(Step::Sync, &self.path)?;
+        self.disk.step(DiskOperation::Sync, &self.path)?;
         self.file.sync_all()
     }
 }
 
-impl Seek for Written {
+impl Seek for DiskFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
     }
 }
 
-impl Write for Written {
+impl Write for DiskFile {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
         write(&self.disk, &self.path, &mut self.file, data)
     }
@@ -205,13 +205,13 @@ pub(crate) struct Temporary {
 
 impl Temporary {
     pub(crate) fn sync(&self) -> io::Result<()> {
-        self.disk.step(Step::Sync, self.file.path())?;
+        self.disk.step(DiskOperation::Sync, self.file.path())?;
         self.file.as_file().sync_all()
     }
 
     /// Gives it its name.
     pub(crate) fn place(self, path: &Path) -> io::Result<()> {
-        self.disk.step(Step::Place, path)?;
+        self.disk.step(DiskOperation::Place, path)?;
         self.file.persist(path).map(drop).map_err(|error| error.error)
     }
 }

@@ -10,7 +10,7 @@ use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::named::Named as _;
+use super::named::PathContext as _;
 use super::owner::Owner;
 
 /// Longest time for which a process waits for a backup or a restore that uses the folder.
@@ -23,14 +23,14 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// The holder of a lock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Holder {
+pub(crate) enum LockHolder {
     Server,
     Backup,
     Restore,
     Doctor,
 }
 
-impl Holder {
+impl LockHolder {
     const ALL: [Self; 4] = [Self::Server, Self::Backup, Self::Restore, Self::Doctor];
 
     /// Whether this holder needs the folder only for a short time.
@@ -39,7 +39,7 @@ impl Holder {
     }
 }
 
-impl fmt::Display for Holder {
+impl fmt::Display for LockHolder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Server => "server",
@@ -51,15 +51,15 @@ impl fmt::Display for Holder {
 }
 
 /// The holder that the file of a lock names, and its process. A holder that may not write the file is not named.
-fn named_in(mut file: &File) -> Option<(Holder, u32)> {
+fn named_in(mut file: &File) -> Option<(LockHolder, u32)> {
     let mut text = String::new();
     file.rewind().and_then(|()| file.take(64).read_to_string(&mut text)).ok()?;
     let mut words = text.split_whitespace();
     let process = words.next()?.parse().ok()?;
     let holder = match words.next() {
         // Only servers of earlier versions name no holder.
-        None => Holder::Server,
-        Some(word) => Holder::ALL.into_iter().find(|holder| holder.to_string() == word)?,
+        None => LockHolder::Server,
+        Some(word) => LockHolder::ALL.into_iter().find(|holder| holder.to_string() == word)?,
     };
     // A process that has ended holds no lock.
     let lives = !cfg!(target_os = "linux") || Path::new("/proc").join(format!("{process}")).exists();
@@ -71,10 +71,10 @@ fn write(mut file: &File, text: &[u8]) {
     let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text));
 }
 
-fn busy(holder: Option<(Holder, u32)>) -> io::Error {
+fn busy(holder: Option<(LockHolder, u32)>) -> io::Error {
     let text = match holder {
         None => "it is in use by another process; end that process first or choose another folder (--data)".to_owned(),
-        Some((Holder::Server, process)) => {
+        Some((LockHolder::Server, process)) => {
             format!("it is in use by process {process}; stop that server first or choose another folder (--data)")
         }
         Some((holder, process)) => {
@@ -120,7 +120,7 @@ pub(crate) struct FolderLock {
 
 impl FolderLock {
     /// Takes the lock and leaves the name of its holder in the file.
-    pub(crate) fn take(folder: &Path, holder: Holder) -> io::Result<Self> {
+    pub(crate) fn take(folder: &Path, holder: LockHolder) -> io::Result<Self> {
         let path = folder.join("lock");
         let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).at(&path)?;
         let file = locked(file)?;
@@ -129,7 +129,7 @@ impl FolderLock {
     }
 
     /// Takes the lock of a folder to read it, without creating a file. Without a lock file no server uses the folder.
-    pub(crate) fn of_a_reader(folder: &Path, holder: Holder) -> io::Result<Self> {
+    pub(crate) fn of_a_reader(folder: &Path, holder: LockHolder) -> io::Result<Self> {
         let path = folder.join("lock");
         let file = match File::options().read(true).write(true).open(&path) {
             Ok(file) => file,
@@ -145,7 +145,7 @@ impl FolderLock {
     }
 
     /// Takes the lock of a folder and gives its file to an owner.
-    pub(crate) fn take_for(owner: Owner, folder: &Path, holder: Holder) -> io::Result<Self> {
+    pub(crate) fn take_for(owner: Owner, folder: &Path, holder: LockHolder) -> io::Result<Self> {
         let lock = Self::take(folder, holder)?;
         lock.file.as_ref().map_or(Ok(()), |file| owner.give(file))?;
         Ok(lock)
@@ -160,7 +160,7 @@ impl FolderLock {
     }
 
     /// The holder of the lock of a folder that is in use, if it is named.
-    pub(crate) fn holder(folder: &Path) -> Option<Holder> {
+    pub(crate) fn holder(folder: &Path) -> Option<LockHolder> {
         named_in(&File::open(folder.join("lock")).ok()?).map(|(holder, _)| holder)
     }
 
@@ -186,19 +186,19 @@ mod tests {
     #[test]
     fn the_lock_names_its_holder_and_a_reader_leaves_the_file_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
-        drop(FolderLock::take(folder.path(), Holder::Server).unwrap());
+        drop(FolderLock::take(folder.path(), LockHolder::Server).unwrap());
         let file = folder.path().join("lock");
         let before = std::fs::read(&file).unwrap();
         let process = std::process::id();
         for (holder, remedy) in [
-            (Holder::Doctor, format!("process {process} (doctor); wait until it has ended")),
-            (Holder::Server, format!("process {process}; stop that server first")),
+            (LockHolder::Doctor, format!("process {process} (doctor); wait until it has ended")),
+            (LockHolder::Server, format!("process {process}; stop that server first")),
         ] {
             let lock = match holder {
-                Holder::Server => FolderLock::take(folder.path(), holder).unwrap(),
+                LockHolder::Server => FolderLock::take(folder.path(), holder).unwrap(),
                 reader => FolderLock::of_a_reader(folder.path(), reader).unwrap(),
             };
-            let error = FolderLock::take(folder.path(), Holder::Server).unwrap_err();
+            let error = FolderLock::take(folder.path(), LockHolder::Server).unwrap_err();
             assert!(error.kind() == io::ErrorKind::ResourceBusy && error.to_string().contains(&remedy), "{error}");
             assert_eq!(FolderLock::holder(folder.path()), Some(holder));
             drop(lock);
@@ -208,20 +208,20 @@ mod tests {
         let lock = File::open(&file).unwrap();
         std::fs::write(&file, "4194305 server\n").unwrap();
         lock.lock().unwrap();
-        let error = FolderLock::take(folder.path(), Holder::Server).unwrap_err().to_string();
+        let error = FolderLock::take(folder.path(), LockHolder::Server).unwrap_err().to_string();
         assert!(!cfg!(target_os = "linux") || error.contains("in use by another process;"), "{error}");
     }
 
     #[test]
     fn a_server_waits_for_a_backup_that_copies_the_ledger() {
         let folder = tempfile::tempdir().unwrap();
-        drop(FolderLock::take(folder.path(), Holder::Server).unwrap());
-        let backup = FolderLock::of_a_reader(folder.path(), Holder::Backup).unwrap();
+        drop(FolderLock::take(folder.path(), LockHolder::Server).unwrap());
+        let backup = FolderLock::of_a_reader(folder.path(), LockHolder::Backup).unwrap();
         let copying = std::thread::spawn(move || {
             std::thread::sleep(3 * MOMENT);
             drop(backup);
         });
-        let server = FolderLock::take(folder.path(), Holder::Server);
+        let server = FolderLock::take(folder.path(), LockHolder::Server);
         assert!(server.is_ok(), "{server:?}");
         copying.join().unwrap();
     }

@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::disk::{Disk, Written};
-use super::marks::Marks;
+use super::disk::{Disk, DiskFile};
+use super::marks::MarkFile;
 use super::spare;
-use super::store::Store;
-use crate::host::{Host, Mark};
-use crate::log::kept::{Files, Kept};
-use crate::log::wanted::Wanted;
-use crate::log::writer::Place;
+use super::store::DataFolder;
+use crate::host::{RunMark, ServerHost};
+use crate::log::kept::{LogPaths, StoredLog};
+use crate::log::wanted::ResultGate;
+use crate::log::writer::LogDestination;
 use crate::log::{Logs, segments};
 
 /// Bytes from which on a log that has ended is compressed.
@@ -19,8 +19,8 @@ const PACKED_FROM: u64 = 64 * 1024;
 /// Bytes read at once of a log that is compressed.
 const READ: usize = 256 * 1024;
 
-impl Logs for Store {
-    fn begin(&self, id: &str) -> io::Result<Box<dyn Place>> {
+impl Logs for DataFolder {
+    fn begin(&self, id: &str) -> io::Result<Box<dyn LogDestination>> {
         // Readers of the log of a run before this one keep that file.
         self.remove_job(id)?;
         let place = LogFile {
@@ -34,15 +34,15 @@ impl Logs for Store {
         Ok(Box::new(place))
     }
 
-    fn kept(&self, id: &str) -> Option<Kept> {
-        Some(self.logs(id)).filter(Files::there).map(|files| Kept::in_files(id, files))
+    fn kept(&self, id: &str) -> Option<StoredLog> {
+        Some(self.logs(id)).filter(LogPaths::there).map(|files| StoredLog::in_files(id, files))
     }
 
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         self.write(id, name, content)
     }
 
-    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()> {
+    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &ResultGate) -> io::Result<()> {
         self.write_spare(id, name, content, wanted)
     }
 
@@ -68,15 +68,15 @@ impl Logs for Store {
 struct LogFile {
     disk: Disk,
     job: String,
-    files: Files,
+    files: LogPaths,
     durable: bool,
-    file: Option<Written>,
+    file: Option<DiskFile>,
     /// Its compressed form.
-    packed: Option<Written>,
+    packed: Option<DiskFile>,
 }
 
 impl LogFile {
-    fn pack_to(&self, segments: &Path) -> io::Result<(Written, u64)> {
+    fn pack_to(&self, segments: &Path) -> io::Result<(DiskFile, u64)> {
         let mut packed = self.disk.create(segments)?;
         let mut plain = BufReader::with_capacity(READ, self.disk.open(&self.files.plain)?);
         let bytes = segments::pack(&self.job, &mut plain, &mut packed)?;
@@ -91,7 +91,7 @@ impl LogFile {
     }
 }
 
-impl Place for LogFile {
+impl LogDestination for LogFile {
     fn write(&mut self, content: &[u8]) -> io::Result<()> {
         let file = match &mut self.file {
             Some(file) => file,
@@ -127,7 +127,7 @@ impl Place for LogFile {
     }
 
     fn seal(mut self: Box<Self>) -> io::Result<()> {
-        match self.packed.as_ref().map(Written::sync) {
+        match self.packed.as_ref().map(DiskFile::sync) {
             Some(Ok(())) => return std::fs::remove_file(&self.files.plain),
             Some(Err(error)) => self.stay_plain(&error),
             None => {}
@@ -139,12 +139,12 @@ impl Place for LogFile {
     }
 }
 
-impl Host for Store {
+impl ServerHost for DataFolder {
     fn free(&self) -> Option<u64> {
         self.free()
     }
 
-    fn mark(&self, mark: &Mark) -> io::Result<()> {
+    fn mark(&self, mark: &RunMark) -> io::Result<()> {
         self.marks().map_or(Ok(()), |marks| marks.mark(mark))
     }
 
@@ -154,8 +154,8 @@ impl Host for Store {
         }
     }
 
-    fn marks(&self) -> io::Result<Vec<Mark>> {
-        Ok(self.marks().map(Marks::all).unwrap_or_default())
+    fn marks(&self) -> io::Result<Vec<RunMark>> {
+        Ok(self.marks().map(MarkFile::all).unwrap_or_default())
     }
 
     fn scratch(&self) -> PathBuf {
@@ -170,12 +170,12 @@ impl Host for Store {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::reader::Reader;
+    use crate::log::reader::LogReader;
     use crate::log::reader::tests::{earlier, plain};
 
     /// Numbers of the events after a cursor, up to the end.
-    fn events(kept: &Kept, after: u64) -> Vec<u64> {
-        let mut reader = Reader::open_ended(kept, after).unwrap();
+    fn events(kept: &StoredLog, after: u64) -> Vec<u64> {
+        let mut reader = LogReader::open_ended(kept, after).unwrap();
         let mut all = Vec::new();
         while let Some(batch) = reader.next_batch().unwrap() {
             all.extend(batch.first..=batch.last);
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn a_log_reads_the_same_plain_sealed_and_while_both_are_there() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let store = DataFolder::open(folder.path().to_owned(), true, Disk::default()).unwrap();
         let (log, files) = (plain("j", 30_000), store.logs("j"));
         let mut place = Logs::begin(&store, "j").unwrap();
         place.write(&log).unwrap();
@@ -213,8 +213,8 @@ mod tests {
     #[test]
     fn results_that_are_not_wanted_any_more_do_not_bring_a_folder_back() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
-        let wanted = Wanted::default();
+        let store = DataFolder::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let wanted = ResultGate::default();
         store.write_spare("j", "summary.json", b"{}", &wanted).unwrap();
         wanted.end();
         store.remove_job("j").unwrap();
@@ -226,9 +226,9 @@ mod tests {
     #[test]
     fn a_log_is_read_as_that_of_its_own_job_only() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let store = DataFolder::open(folder.path().to_owned(), true, Disk::default()).unwrap();
         let read = |job: &str| {
-            let mut reader = Reader::open_ended(&store.kept(job).unwrap(), 0)?;
+            let mut reader = LogReader::open_ended(&store.kept(job).unwrap(), 0)?;
             while reader.next_batch()?.is_some() {}
             Ok::<(), io::Error>(())
         };

@@ -10,9 +10,9 @@ use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::disk::{Disk, Written};
-use super::named::Named as _;
-use crate::host::Mark;
+use super::disk::{Disk, DiskFile};
+use super::named::PathContext as _;
+use crate::host::RunMark;
 
 /// Prefix of the attempt if the run uses no processor time.
 const IDLE: &str = "-";
@@ -21,7 +21,7 @@ const SLOT: usize = 128;
 
 /// The marks of a data folder.
 #[derive(Debug)]
-pub(crate) struct Marks {
+pub(crate) struct MarkFile {
     disk: Disk,
     path: PathBuf,
     slots: Mutex<Slots>,
@@ -29,15 +29,15 @@ pub(crate) struct Marks {
 
 #[derive(Debug, Default)]
 struct Slots {
-    file: Option<Written>,
+    file: Option<DiskFile>,
     /// Slots and marks by job.
-    taken: HashMap<String, (usize, Mark)>,
+    taken: HashMap<String, (usize, RunMark)>,
     free: Vec<usize>,
     /// Slots that the file has.
     all: usize,
 }
 
-impl Marks {
+impl MarkFile {
     /// The marks in a file, which is made when the first mark is.
     pub(crate) fn of(path: &Path, disk: Disk) -> io::Result<Self> {
         let mut slots = Slots::default();
@@ -56,7 +56,7 @@ impl Marks {
     }
 
     /// Marks a job as running.
-    pub(crate) fn mark(&self, mark: &Mark) -> io::Result<()> {
+    pub(crate) fn mark(&self, mark: &RunMark) -> io::Result<()> {
         let id = mark.id.as_str();
         let text = format!("{}{} {id}", if mark.works { "" } else { IDLE }, mark.attempt);
         let text = format!("{text} {:08x}", crc32fast::hash(text.as_bytes()));
@@ -101,14 +101,14 @@ impl Marks {
     }
 
     /// All marks.
-    pub(crate) fn all(&self) -> Vec<Mark> {
+    pub(crate) fn all(&self) -> Vec<RunMark> {
         let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         slots.taken.values().map(|(_, mark)| mark.clone()).collect()
     }
 }
 
 /// The mark in a slot, if the slot has a valid mark.
-fn read(slot: &[u8]) -> Option<Mark> {
+fn read(slot: &[u8]) -> Option<RunMark> {
     let text = slot.split(|byte| *byte == 0).next().and_then(|text| std::str::from_utf8(text).ok())?;
     let text = match text.rsplit_once(' ') {
         Some((mark, crc)) if mark.contains(' ') => {
@@ -119,18 +119,18 @@ fn read(slot: &[u8]) -> Option<Mark> {
     let (attempt, id) = text.split_once(' ')?;
     let idle = attempt.strip_prefix(IDLE);
     let attempt = idle.unwrap_or(attempt).parse().ok()?;
-    Some(Mark { id: id.to_owned(), attempt, works: idle.is_none() })
+    Some(RunMark { id: id.to_owned(), attempt, works: idle.is_none() })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn mark(id: &str, attempt: u32) -> Mark {
-        Mark { id: id.to_owned(), attempt, works: true }
+    fn mark(id: &str, attempt: u32) -> RunMark {
+        RunMark { id: id.to_owned(), attempt, works: true }
     }
 
-    fn sorted(marks: &Marks) -> Vec<Mark> {
+    fn sorted(marks: &MarkFile) -> Vec<RunMark> {
         let mut all = marks.all();
         all.sort();
         all
@@ -140,17 +140,17 @@ mod tests {
     fn the_next_server_finds_what_was_marked_and_not_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("marks");
-        let open = || Marks::of(&path, Disk::default()).unwrap();
+        let open = || MarkFile::of(&path, Disk::default()).unwrap();
         let marks = open();
         assert!(marks.all().is_empty() && !path.exists());
         for (id, attempt) in [("a", 1), ("b", 2), ("c", 30)] {
             marks.mark(&mark(id, attempt)).unwrap();
         }
         marks.mark(&mark("a", 4)).unwrap();
-        marks.mark(&Mark { works: false, ..mark("c", 30) }).unwrap();
+        marks.mark(&RunMark { works: false, ..mark("c", 30) }).unwrap();
         marks.unmark("b");
         marks.unmark("not there");
-        let expected = [mark("a", 4), Mark { works: false, ..mark("c", 30) }];
+        let expected = [mark("a", 4), RunMark { works: false, ..mark("c", 30) }];
         assert_eq!((sorted(&marks), sorted(&open())), (expected.to_vec(), expected.to_vec()));
         // The place of a mark that was removed is used again.
         let next = open();
@@ -170,11 +170,11 @@ mod tests {
         content.resize(2 * SLOT, 0);
         content.extend(b"cut");
         std::fs::write(&path, content).unwrap();
-        let marks = Marks::of(&path, Disk::default()).unwrap();
+        let marks = MarkFile::of(&path, Disk::default()).unwrap();
         assert_eq!(marks.all(), [mark("x", 7)]);
         marks.mark(&mark("y", 1)).unwrap();
         marks.mark(&mark("z", 1)).unwrap();
-        assert_eq!(sorted(&Marks::of(&path, Disk::default()).unwrap()).len(), 3);
+        assert_eq!(sorted(&MarkFile::of(&path, Disk::default()).unwrap()).len(), 3);
         assert!(marks.mark(&mark(&"long".repeat(50), 1)).is_err());
     }
 }

@@ -25,18 +25,18 @@ use std::sync::Arc;
 use crate::blobs::Blobs;
 use crate::jobs::Seams;
 use crate::metrics::Metrics;
-use crate::options::Options;
+use crate::options::ServerOptions;
 use crate::reason::Refusal;
 use blobs::LocalBlobs;
 use disk::Disk;
 use ledger::LocalLedger;
 use queue::LocalQueue;
-use store::Store;
+use store::DataFolder;
 
 /// Takes the data folder and opens its contents.
-pub(crate) fn open(options: &Options, disk: Disk, metrics: &Arc<Metrics>) -> Result<Seams, Refusal> {
+pub(crate) fn open(options: &ServerOptions, disk: Disk, metrics: &Arc<Metrics>) -> Result<Seams, Refusal> {
     let disk = disk.counting(&metrics.storage.syncs);
-    let store = Store::open(options.data.clone(), !options.embedded.ephemeral, disk)?;
+    let store = DataFolder::open(options.data.clone(), !options.embedded.ephemeral, disk)?;
     let blobs: Arc<dyn Blobs> = match options.embedded.ephemeral {
         true => Arc::new(LocalBlobs::in_memory(options.maxima.max_blob_bytes)),
         false => Arc::new(LocalBlobs::new(store.clone(), options.maxima.max_blob_bytes)),

@@ -30,12 +30,12 @@ pub(crate) fn named(path: &Path, error: io::Error) -> io::Error {
 }
 
 /// Results of the system.
-pub(crate) trait Named<T> {
+pub(crate) trait PathContext<T> {
     /// Has an error name its file and the remedy.
     fn at(self, path: &Path) -> io::Result<T>;
 }
 
-impl<T> Named<T> for io::Result<T> {
+impl<T> PathContext<T> for io::Result<T> {
     fn at(self, path: &Path) -> io::Result<T> {
         self.map_err(|error| named(path, error))
     }

@@ -18,12 +18,12 @@ struct Rounds {
 
 /// The work.
 #[derive(Debug, Default)]
-pub(crate) struct Shared {
+pub(crate) struct CoalescedWork {
     rounds: Mutex<Rounds>,
     changed: Condvar,
 }
 
-impl Shared {
+impl CoalescedWork {
     /// Does `work`, or waits for another task that begins it now or later.
     pub(crate) fn sync(&self, work: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
         let mut rounds = self.rounds.lock().unwrap_or_else(PoisonError::into_inner);
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn those_who_ask_while_others_work_share_the_next_round() {
-        let (shared, rounds) = (Arc::new(Shared::default()), Arc::new(AtomicUsize::new(0)));
+        let (shared, rounds) = (Arc::new(CoalescedWork::default()), Arc::new(AtomicUsize::new(0)));
         let (go, wait) = channel::<()>();
         let first = {
             let (shared, rounds) = (shared.clone(), rounds.clone());

@@ -6,7 +6,7 @@
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
 
-use crate::log::sums::Sums;
+use crate::log::sums::FileChecksum;
 
 const MAGIC: &[u8; 8] = b"CPRES\0\0\x02";
 const EARLIER_MAGIC: &[u8; 8] = b"CPRES\0\0\x01";
@@ -17,7 +17,7 @@ const HEAD: usize = 20;
 pub(super) fn head(job: &str, name: &str, content: &[u8]) -> [u8; HEAD] {
     let mut head = [0; HEAD];
     let length = (content.len() as u64).to_le_bytes();
-    let parts = [&MAGIC[..], &length, &Sums::of(job, name).of_content(content).to_le_bytes()].concat();
+    let parts = [&MAGIC[..], &length, &FileChecksum::of(job, name).of_content(content).to_le_bytes()].concat();
     head.iter_mut().zip(parts).for_each(|(slot, byte)| *slot = byte);
     head
 }
@@ -28,8 +28,8 @@ pub(super) fn whole(mut file: File, job: &str, name: &str) -> io::Result<File> {
     (&mut file).take(HEAD as u64).read_to_end(&mut head)?;
     let Some((magic, rest)) = head.split_first_chunk::<8>() else { return Err(damaged()) };
     let sums = match magic {
-        MAGIC => Sums::of(job, name),
-        EARLIER_MAGIC => Sums::EARLIER,
+        MAGIC => FileChecksum::of(job, name),
+        EARLIER_MAGIC => FileChecksum::EARLIER,
         _ => return Err(damaged()),
     };
     let Some((length, crc)) = rest.split_first_chunk::<8>() else { return Err(damaged()) };

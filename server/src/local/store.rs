@@ -12,21 +12,21 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::claim;
 use super::disk::{Disk, Temporary};
-use super::folder_lock::{FolderLock, Holder};
+use super::folder_lock::{FolderLock, LockHolder};
 use super::free_space::FreeSpace;
-use super::marks::Marks;
-use super::named::{Named as _, can_be_written, named};
-use super::shared::Shared;
+use super::marks::MarkFile;
+use super::named::{PathContext as _, can_be_written, named};
+use super::shared::CoalescedWork;
 use super::spare;
-use crate::host::Mark;
-use crate::log::kept::Files;
-use crate::log::wanted::Wanted;
-use crate::results::Document;
+use crate::host::RunMark;
+use crate::log::kept::LogPaths;
+use crate::log::wanted::ResultGate;
+use crate::results::StoredResult;
 use crate::tenant;
 
 /// The data folder.
 #[derive(Debug, Clone)]
-pub(crate) struct Store {
+pub(crate) struct DataFolder {
     root: PathBuf,
     durable: bool,
     disk: Disk,
@@ -36,9 +36,9 @@ pub(crate) struct Store {
     /// Files that have got their names, which may not be durable yet.
     unsure: Arc<Mutex<HashSet<PathBuf>>>,
     /// Syncs of the folder of all jobs.
-    jobs_synced: Arc<Shared>,
+    jobs_synced: Arc<CoalescedWork>,
     /// Marks of running jobs.
-    marks: Arc<Marks>,
+    marks: Arc<MarkFile>,
     free: Arc<FreeSpace>,
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn keep_private(root: &Path) {
     let _ = root;
 }
 
-impl Store {
+impl DataFolder {
     /// Takes the folder for this server, creates missing parts and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
         // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
@@ -70,9 +70,9 @@ impl Store {
         let new = !root.is_dir();
         fs::create_dir_all(&root).at(&root)?;
         keep_private(&root);
-        let lock = Arc::new(FolderLock::take(&root, Holder::Server)?);
+        let lock = Arc::new(FolderLock::take(&root, LockHolder::Server)?);
         let store = Self {
-            marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
+            marks: Arc::new(MarkFile::of(&root.join("marks"), disk.clone())?),
             root,
             durable,
             disk,
@@ -99,7 +99,7 @@ impl Store {
     }
 
     /// Opens an existing folder and changes nothing in it. For a repair the folder must be writable.
-    pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk, holder: Holder) -> io::Result<Self> {
+    pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk, holder: LockHolder) -> io::Result<Self> {
         if !root.is_dir() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
@@ -115,7 +115,7 @@ impl Store {
         };
         let lock = Arc::new(lock?);
         Ok(Self {
-            marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
+            marks: Arc::new(MarkFile::of(&root.join("marks"), disk.clone())?),
             root,
             durable: true,
             disk,
@@ -201,8 +201,8 @@ impl Store {
     }
 
     /// Files of the log of a job.
-    pub(crate) fn logs(&self, id: &str) -> Files {
-        Files { plain: self.log(id), segments: self.job(id).join("log.segments") }
+    pub(crate) fn logs(&self, id: &str) -> LogPaths {
+        LogPaths { plain: self.log(id), segments: self.job(id).join("log.segments") }
     }
 
     /// Writes a whole file with its checksum into the folder of a job: temporary file, fsync, rename. Its name is made
@@ -219,7 +219,7 @@ impl Store {
     }
 
     /// Same without fsync, for files that can be made again, as long as they are wanted.
-    pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()> {
+    pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &ResultGate) -> io::Result<()> {
         let mut file = self.temporary()?;
         file.write_all(&spare::head(id, name, content))?;
         file.write_all(content)?;
@@ -242,7 +242,7 @@ impl Store {
     /// Gives the files of macros that an earlier version has written their checksums. One that is not whole stays as it
     /// is, and is reported when it is read.
     pub(crate) fn seal_files(&self) -> io::Result<()> {
-        let name = Document::Files.file();
+        let name = StoredResult::Files.file();
         for id in self.jobs()? {
             match fs::read(self.job(&id).join(name)) {
                 Ok(content) if spare::is_plain_json(&content) => {
@@ -330,7 +330,7 @@ impl Store {
     }
 
     /// Marks of running jobs; a server that stores nothing has none.
-    pub(crate) fn marks(&self) -> Option<&Marks> {
+    pub(crate) fn marks(&self) -> Option<&MarkFile> {
         self.durable.then_some(&*self.marks)
     }
 
@@ -339,7 +339,7 @@ impl Store {
         let folder = self.root.join("running");
         for id in names(&folder)? {
             let attempt = fs::read_to_string(folder.join(&id))?.parse().unwrap_or(1);
-            self.marks.mark(&Mark { id, attempt, works: true })?;
+            self.marks.mark(&RunMark { id, attempt, works: true })?;
         }
         match fs::remove_dir_all(folder) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -435,7 +435,7 @@ mod tests {
     #[test]
     fn a_written_file_is_whole() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
+        let store = DataFolder::open(folder.path().join("data"), true, Disk::default()).unwrap();
         store.write("j", "files.json", b"one").unwrap();
         store.write("j", "files.json", b"two").unwrap();
         assert_eq!(store.read("j", "files.json").unwrap(), b"two");
@@ -449,10 +449,10 @@ mod tests {
         fs::create_dir(&running).unwrap();
         fs::write(running.join("first"), "").unwrap();
         fs::write(running.join("third"), "3").unwrap();
-        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let store = DataFolder::open(folder.path().to_owned(), true, Disk::default()).unwrap();
         let mut marks = store.marks().unwrap().all();
         marks.sort();
-        let mark = |id: &str, attempt| Mark { id: id.to_owned(), attempt, works: true };
+        let mark = |id: &str, attempt| RunMark { id: id.to_owned(), attempt, works: true };
         assert_eq!(marks, [mark("first", 1), mark("third", 3)]);
         assert!(!running.exists());
     }

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use bytes::Bytes;
 use counterpoint_kernel::log::digest::{self, Digest};
 use counterpoint_kernel::log::event::*;
-use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
+use counterpoint_kernel::log::info::{Info, JobAxis, JobChannel, JobFile, MachineUnit, ResultBudget};
 use counterpoint_kernel::log::jsonl;
 use counterpoint_proto::v1;
 use prost::Message as _;
@@ -32,22 +32,29 @@ fn kinds() -> Vec<Kind> {
         feed_unit: FeedUnit::PerRevolution,
         length: 3.5,
     };
-    let spindle = Spindle { spindle: 2, direction: Direction::Off, css: false, speed: 0.1, limit: 3000.0, angle: 12.5 };
+    let spindle = SpindleChange {
+        spindle: 2,
+        direction: SpindleDirection::Off,
+        css: false,
+        speed: 0.1,
+        limit: 3000.0,
+        angle: 12.5,
+    };
     let verdict = |kind| {
-        let members = vec![Member { channel: 3, file: 2, line: 70_000, waiting_for: vec![1, 2] }];
+        let members = vec![VerdictMember { channel: 3, file: 2, line: 70_000, waiting_for: vec![1, 2] }];
         Kind::Verdict(Box::new(Verdict { kind, at_ns: -5, text: "é".into(), members }))
     };
     let plain = Motion { kind: MotionKind::Rapid, center: [0.0; 2], plane_axes: [255; 2], turns: 0, ..motion };
     vec![
         Kind::Lifecycle(Phase::Blocked),
-        Kind::Block(Block { number: 1 << 40, unit_named: false }),
+        Kind::Block(BlockEvent { number: 1 << 40, unit_named: false }),
         Kind::Motion(motion),
         Kind::Motion(plain),
         Kind::Dwell(Dwell),
         Kind::Tool(ToolChange { action: ToolAction::Load, tool: 12, offset: 0 }),
-        Kind::Spindle(Spindle {
+        Kind::Spindle(SpindleChange {
             spindle: 1,
-            direction: Direction::Clockwise,
+            direction: SpindleDirection::Clockwise,
             css: true,
             speed: 180.0,
             limit: f64::INFINITY,
@@ -56,15 +63,15 @@ fn kinds() -> Vec<Kind> {
         Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
         Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
         Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
-        Kind::Function(Function { letter: 'M', value: 0.0 }),
+        Kind::Function(TimedFunction { letter: 'M', value: 0.0 }),
         Kind::mode("plane zx"),
-        Kind::Frame(Frame { shift: Box::new(from) }),
-        Kind::Stop(Stop::Rewind),
-        Kind::Call(Call { program: "O9001".into(), level: 2 }),
+        Kind::Frame(FrameShift { shift: Box::new(from) }),
+        Kind::Stop(StopCode::Rewind),
+        Kind::Call(SubprogramEntry { program: "O9001".into(), level: 2 }),
         Kind::Return(Return { level: 2 }),
-        Kind::Message(Message { text: "é\"".repeat(90).into(), printed: false }),
-        Kind::Message(Message { text: "printed".into(), printed: true }),
-        Kind::Wait(Arc::new(Wait {
+        Kind::Message(OperatorMessage { text: "é\"".repeat(90).into(), printed: false }),
+        Kind::Message(OperatorMessage { text: "printed".into(), printed: true }),
+        Kind::Wait(Arc::new(WaitArrival {
             key: "M101".into(),
             primitive: Primitive::Order,
             participants: [1, 2, 300].into(),
@@ -87,15 +94,15 @@ fn kinds() -> Vec<Kind> {
             at_ns: 99,
             text: "channel 1 waits".into(),
             members: vec![
-                Member { channel: 1, file: 0, line: 7, waiting_for: vec![2] },
-                Member { channel: 2, file: 1, line: 0, waiting_for: vec![] },
+                VerdictMember { channel: 1, file: 0, line: 7, waiting_for: vec![2] },
+                VerdictMember { channel: 2, file: 1, line: 0, waiting_for: vec![] },
             ],
         })),
         Kind::trace('C', "  code_rapid"),
         Kind::Motion(Motion { kind: MotionKind::ArcSpace, center: [-3.5, 0.25], ..plain }),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 2_910_090,
-            origin: Some(Box::new(Origin {
+            origin: Some(Box::new(DiagnosticOrigin {
                 name: "Motion Event Macro".into(),
                 file: "tern/collet.mac".into(),
                 line: 3,
@@ -119,17 +126,17 @@ fn kinds() -> Vec<Kind> {
         Kind::Lifecycle(Phase::Alarmed),
         Kind::Lifecycle(Phase::Stopped),
         Kind::Lifecycle(Phase::MachineEnd),
-        Kind::Stop(Stop::Program),
-        Kind::Stop(Stop::Optional),
-        Kind::Stop(Stop::End),
+        Kind::Stop(StopCode::Program),
+        Kind::Stop(StopCode::Optional),
+        Kind::Stop(StopCode::End),
         Kind::Tool(ToolChange { action: ToolAction::Select, tool: 7, offset: 300 }),
         Kind::Tool(ToolChange { action: ToolAction::Offset, tool: 7, offset: 300 }),
-        Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::CounterClockwise, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::Oriented, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::Locked, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::Neutral, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::Oriented, angle: 0.0, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Off, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::CounterClockwise, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Oriented, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Locked, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Neutral, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Oriented, angle: 0.0, ..spindle }),
         Kind::Motion(Motion { kind: MotionKind::Linear, feed_unit: FeedUnit::PerMinute, ..plain }),
         Kind::Motion(Motion { kind: MotionKind::Thread, feed_unit: FeedUnit::InverseTime, ..plain }),
         Kind::Motion(Motion { kind: MotionKind::ArcCw, feed_unit: FeedUnit::Rapid, ..plain }),
@@ -147,10 +154,10 @@ fn kinds() -> Vec<Kind> {
         verdict(VerdictKind::PartnerSpinning),
         verdict(VerdictKind::LeaseCycle),
         verdict(VerdictKind::Limit),
-        Kind::Message(Message { text: "".into(), printed: false }),
-        Kind::Message(Message { text: "".into(), printed: true }),
-        Kind::Function(Function { letter: 'é', value: -0.0 }),
-        Kind::Function(Function { letter: '"', value: f64::NAN }),
+        Kind::Message(OperatorMessage { text: "".into(), printed: false }),
+        Kind::Message(OperatorMessage { text: "".into(), printed: true }),
+        Kind::Function(TimedFunction { letter: 'é', value: -0.0 }),
+        Kind::Function(TimedFunction { letter: '"', value: f64::NAN }),
         Kind::mode(""),
         Kind::compensation("comp length n=3", OffsetKind::Length, 3.0),
         Kind::compensation("comp diam left n=3", OffsetKind::Diameter, 3.0),
@@ -165,8 +172,8 @@ fn kinds() -> Vec<Kind> {
         Kind::Diagnostic(Box::default()),
         Kind::Diagnostic(Box::new(Diagnostic { kernel: "TURRET".into(), ..Diagnostic::default() })),
         Kind::Diagnostic(Box::new(Diagnostic { operation: "BORE".into(), ..Diagnostic::default() })),
-        Kind::Call(Call { program: "\u{1}".into(), level: u16::MAX }),
-        Kind::Wait(Arc::new(Wait {
+        Kind::Call(SubprogramEntry { program: "\u{1}".into(), level: u16::MAX }),
+        Kind::Wait(Arc::new(WaitArrival {
             key: "M101".into(),
             primitive: Primitive::Barrier,
             participants: [1, 2].into(),
@@ -186,9 +193,9 @@ fn kinds() -> Vec<Kind> {
         })),
         Kind::coupling(
             "synchronous off Z1 Z2 z=5".into(),
-            Some(Carried { from: Box::new(from), to: Box::new([7.5; MAX_AXES]), axes: "Z2 with Z1".into() }),
+            Some(CarriedMove { from: Box::new(from), to: Box::new([7.5; MAX_AXES]), axes: "Z2 with Z1".into() }),
         ),
-        Kind::Wait(Arc::new(Wait {
+        Kind::Wait(Arc::new(WaitArrival {
             key: "G68".into(),
             primitive: Primitive::Barrier,
             participants: [1, 2].into(),
@@ -208,13 +215,13 @@ fn called() -> Event {
         file: 4,
         line: 3,
         caller: SourcePlace::new(1, 70_000),
-        kind: Kind::Block(Block { number: 9, unit_named: false }),
+        kind: Kind::Block(BlockEvent { number: 9, unit_named: false }),
     }
 }
 
 /// A block after one that has selected the unit.
 fn after_a_unit() -> Event {
-    Event { kind: Kind::Block(Block { number: 10, unit_named: true }), ..called() }
+    Event { kind: Kind::Block(BlockEvent { number: 10, unit_named: true }), ..called() }
 }
 
 pub(super) fn events() -> Vec<Event> {
@@ -237,8 +244,8 @@ pub(super) fn events() -> Vec<Event> {
 
 /// A job with a channel for each of the numbers that the events have.
 fn info() -> Info {
-    let axis = |name: &str| Axis { name: name.into(), rotary: name == "C", diameter: name == "X" };
-    let channel = |number: u16| Channel {
+    let axis = |name: &str| JobAxis { name: name.into(), rotary: name == "C", diameter: name == "X" };
+    let channel = |number: u16| JobChannel {
         number,
         name: format!("CH{number}"),
         program: "a.nc".into(),
@@ -249,7 +256,7 @@ fn info() -> Info {
         inch: false,
         unit_words: "G20/G21".into(),
     };
-    let file = |name: &str| File {
+    let file = |name: &str| JobFile {
         name: name.into(),
         stored: false,
         resident: false,
@@ -263,9 +270,9 @@ fn info() -> Info {
         machine_created: String::new(),
         machine_file: String::new(),
         parameters: String::new(),
-        unit: Unit::Mm,
+        unit: MachineUnit::Mm,
         trace: Default::default(),
-        room: Room { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
+        room: ResultBudget { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
         channels: (1..4).map(channel).collect(),
         files: ["a.nc", "b.nc", "c.nc"].map(file).into(),
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use counterpoint_kernel::log::event::fields::{Field, Fields, Record, Value};
+use counterpoint_kernel::log::event::fields::{EventField, EventRecord, EventValue, FieldWriter};
 use counterpoint_proto::DESCRIPTORS;
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -19,11 +19,11 @@ enum Wire {
 }
 
 impl Wire {
-    fn of(value: Value<'_>) -> Self {
+    fn of(value: EventValue<'_>) -> Self {
         match value {
-            Value::Float(_) | Value::Known(_) => Self::Fixed64,
-            Value::Text(_) | Value::Letter(_) | Value::Channels(_) => Self::Bytes,
-            Value::Position(_) | Value::Axes(_) | Value::Pair(_) | Value::Center => Self::Bytes,
+            EventValue::Float(_) | EventValue::Known(_) => Self::Fixed64,
+            EventValue::Text(_) | EventValue::Letter(_) | EventValue::Channels(_) => Self::Bytes,
+            EventValue::Position(_) | EventValue::Axes(_) | EventValue::Pair(_) | EventValue::Center => Self::Bytes,
             _ => Self::Varint,
         }
     }
@@ -68,14 +68,14 @@ fn find<'a>(file: &'a FileDescriptorProto, field: &FieldDescriptorProto) -> &'a 
     file.message_type.iter().find(|message| message.name() == name).unwrap()
 }
 
-impl Fields for Contract<'_> {
-    fn put(&mut self, field: Field, value: Value<'_>) {
+impl FieldWriter for Contract<'_> {
+    fn put(&mut self, field: EventField, value: EventValue<'_>) {
         if field.tag == 0 {
             return;
         }
         let declared = self.declared(field.tag);
         assert_eq!(Wire::of(value), Wire::declared(declared), "{}", declared.name());
-        if let Value::Word(number, word) = value {
+        if let EventValue::Word(number, word) = value {
             let name = declared.type_name().rsplit('.').next().unwrap();
             let words = self.file.enum_type.iter().find(|words| words.name() == name).unwrap();
             let declared = words.value.iter().find(|value| value.number() == i32::from(number)).unwrap();
@@ -83,13 +83,13 @@ impl Fields for Contract<'_> {
         }
     }
 
-    fn message<R: Record>(&mut self, field: Field, record: Option<&R>) {
+    fn message<R: EventRecord>(&mut self, field: EventField, record: Option<&R>) {
         if let Some(record) = record {
             self.inside(field.tag, |inner| record.fields(inner));
         }
     }
 
-    fn messages<R: Record>(&mut self, field: Field, records: &[R]) {
+    fn messages<R: EventRecord>(&mut self, field: EventField, records: &[R]) {
         records.iter().for_each(|record| self.message(field, Some(record)));
     }
 }

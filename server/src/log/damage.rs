@@ -7,12 +7,12 @@ use std::io;
 
 /// Damage to a log; without a job until [`of_job`] adds it.
 #[derive(Debug)]
-struct Damage {
+struct LogDamage {
     job: Option<String>,
     what: String,
 }
 
-impl fmt::Display for Damage {
+impl fmt::Display for LogDamage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let of = self.job.as_ref().map_or_else(String::new, |job| format!(" of job '{job}'"));
         let what = &self.what;
@@ -20,18 +20,18 @@ impl fmt::Display for Damage {
     }
 }
 
-impl std::error::Error for Damage {}
+impl std::error::Error for LogDamage {}
 
 /// A damage error with the remedy; [`of_job`] adds the job.
 pub(crate) fn damage(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, Damage { job: None, what: what.to_owned() })
+    io::Error::new(io::ErrorKind::InvalidData, LogDamage { job: None, what: what.to_owned() })
 }
 
 /// Adds the job to a damage error; other errors stay as they are.
 pub(crate) fn of_job(error: io::Error, job: &str) -> io::Error {
-    match error.downcast::<Damage>() {
-        Ok(Damage { what, .. }) => {
-            io::Error::new(io::ErrorKind::InvalidData, Damage { job: Some(job.to_owned()), what })
+    match error.downcast::<LogDamage>() {
+        Ok(LogDamage { what, .. }) => {
+            io::Error::new(io::ErrorKind::InvalidData, LogDamage { job: Some(job.to_owned()), what })
         }
         Err(error) => error,
     }

@@ -7,17 +7,17 @@
 use std::borrow::Cow;
 
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::event::fields::Source;
+use counterpoint_kernel::log::event::fields::FieldReader;
 
 /// A value on the wire.
 #[derive(Clone, Copy)]
-enum Value<'a> {
+enum WireValue<'a> {
     Number(u64),
     Fixed(u64),
     Bytes(&'a [u8]),
 }
 
-impl<'a> Value<'a> {
+impl<'a> WireValue<'a> {
     fn number(self) -> u64 {
         match self {
             Self::Number(n) | Self::Fixed(n) => n,
@@ -34,9 +34,9 @@ impl<'a> Value<'a> {
 }
 
 /// The fields of a message, in order.
-struct Fields<'a>(&'a [u8]);
+struct WireFields<'a>(&'a [u8]);
 
-impl<'a> Fields<'a> {
+impl<'a> WireFields<'a> {
     fn varint(&mut self) -> Option<u64> {
         let mut value = 0;
         for shift in (0..64).step_by(7) {
@@ -50,20 +50,20 @@ impl<'a> Fields<'a> {
         None
     }
 
-    fn next_field(&mut self) -> Option<(u64, Value<'a>)> {
+    fn next_field(&mut self) -> Option<(u64, WireValue<'a>)> {
         let key = self.varint()?;
         let value = match key & 7 {
-            0 => Value::Number(self.varint()?),
+            0 => WireValue::Number(self.varint()?),
             1 => {
                 let (bytes, rest) = self.0.split_first_chunk::<8>()?;
                 self.0 = rest;
-                Value::Fixed(u64::from_le_bytes(*bytes))
+                WireValue::Fixed(u64::from_le_bytes(*bytes))
             }
             2 => {
                 let length = usize::try_from(self.varint()?).ok()?;
                 let (bytes, rest) = self.0.split_at_checked(length)?;
                 self.0 = rest;
-                Value::Bytes(bytes)
+                WireValue::Bytes(bytes)
             }
             _ => return None,
         };
@@ -71,8 +71,8 @@ impl<'a> Fields<'a> {
     }
 }
 
-impl<'a> Iterator for Fields<'a> {
-    type Item = (u64, Value<'a>);
+impl<'a> Iterator for WireFields<'a> {
+    type Item = (u64, WireValue<'a>);
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.0.is_empty() { None } else { self.next_field() }
@@ -86,52 +86,52 @@ const FIRST_KIND: u64 = 10;
 pub(crate) fn spans(batch: &[u8], first: u64, last: u64) -> bool {
     let mut end = Vec::with_capacity(12);
     super::encode::varint_field(&mut end, 2, last);
-    matches!(Fields(batch).next(), Some((1, Value::Number(begin))) if begin == first) && batch.ends_with(&end)
+    matches!(WireFields(batch).next(), Some((1, WireValue::Number(begin))) if begin == first) && batch.ends_with(&end)
 }
 
 /// The encoded events of an encoded batch.
 pub(crate) fn events(batch: &[u8]) -> impl Iterator<Item = &[u8]> {
-    Fields(batch).filter(|(field, _)| *field == 3).map(|(_, value)| value.bytes())
+    WireFields(batch).filter(|(field, _)| *field == 3).map(|(_, value)| value.bytes())
 }
 
 /// Number of the oneof field with the kind of an encoded event; 0 when there is none.
 pub(crate) fn kind_field(event: &[u8]) -> u64 {
-    Fields(event).map(|(field, _)| field).find(|field| *field >= FIRST_KIND).unwrap_or(0)
+    WireFields(event).map(|(field, _)| field).find(|field| *field >= FIRST_KIND).unwrap_or(0)
 }
 
 /// Sequence number of an encoded event.
 pub(crate) fn seq(event: &[u8]) -> u64 {
-    Fields(event).find(|(field, _)| *field == 1).map_or(0, |(_, value)| value.number())
+    WireFields(event).find(|(field, _)| *field == 1).map_or(0, |(_, value)| value.number())
 }
 
 /// Fields that a message may have, 0 counted.
 const MOST: usize = 12;
 
 /// A message: the last value of each of its fields; missing fields are zero.
-struct Message<'a> {
-    values: [Value<'a>; MOST],
+struct WireMessage<'a> {
+    values: [WireValue<'a>; MOST],
     bytes: &'a [u8],
 }
 
-impl<'a> Message<'a> {
+impl<'a> WireMessage<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        let mut message = Self { values: [const { Value::Number(0) }; MOST], bytes };
-        Fields(bytes).for_each(|(field, value)| message.set(field, value));
+        let mut message = Self { values: [const { WireValue::Number(0) }; MOST], bytes };
+        WireFields(bytes).for_each(|(field, value)| message.set(field, value));
         message
     }
 
-    fn set(&mut self, field: u64, value: Value<'a>) {
+    fn set(&mut self, field: u64, value: WireValue<'a>) {
         if let Some(slot) = self.values.get_mut(field as usize) {
             *slot = value;
         }
     }
 
-    fn get(&self, tag: u8) -> Value<'a> {
-        self.values.get(usize::from(tag)).copied().unwrap_or(Value::Number(0))
+    fn get(&self, tag: u8) -> WireValue<'a> {
+        self.values.get(usize::from(tag)).copied().unwrap_or(WireValue::Number(0))
     }
 }
 
-impl<'a> Source for Message<'a> {
+impl<'a> FieldReader for WireMessage<'a> {
     fn number(&self, tag: u8) -> u64 {
         self.get(tag).number()
     }
@@ -142,7 +142,7 @@ impl<'a> Source for Message<'a> {
 
     fn known(&self, tag: u8) -> Option<f64> {
         match self.get(tag) {
-            Value::Fixed(bits) => Some(f64::from_bits(bits)),
+            WireValue::Fixed(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
@@ -152,7 +152,7 @@ impl<'a> Source for Message<'a> {
     }
 
     fn numbers(&self, tag: u8) -> impl Iterator<Item = u64> {
-        let mut fields = Fields(self.get(tag).bytes());
+        let mut fields = WireFields(self.get(tag).bytes());
         std::iter::from_fn(move || fields.varint())
     }
 
@@ -164,13 +164,13 @@ impl<'a> Source for Message<'a> {
 
     fn message(&self, tag: u8) -> Option<Self> {
         match self.get(tag) {
-            Value::Bytes(bytes) => Some(Self::new(bytes)),
+            WireValue::Bytes(bytes) => Some(Self::new(bytes)),
             _ => None,
         }
     }
 
     fn messages(&self, tag: u8) -> impl Iterator<Item = Self> {
-        let fields = Fields(self.bytes).filter(move |(field, _)| *field == u64::from(tag));
+        let fields = WireFields(self.bytes).filter(move |(field, _)| *field == u64::from(tag));
         fields.map(|(_, value)| Self::new(value.bytes()))
     }
 }
@@ -178,8 +178,8 @@ impl<'a> Source for Message<'a> {
 /// Decodes one event, and its number in the log.
 pub(crate) fn event(bytes: &[u8]) -> Option<(u64, Event)> {
     let (mut number, mut kind) = (0, &[][..]);
-    for (field, value) in Fields(bytes).filter(|(field, _)| *field >= FIRST_KIND) {
+    for (field, value) in WireFields(bytes).filter(|(field, _)| *field >= FIRST_KIND) {
         (number, kind) = (field, value.bytes());
     }
-    Event::read(&Message::new(bytes), (number, &Message::new(kind)))
+    Event::read(&WireMessage::new(bytes), (number, &WireMessage::new(kind)))
 }

@@ -3,7 +3,7 @@
 //! Numbers and order of the fields come from the types of the events. *Invariant:* the output of [`event`] decodes with
 //! the generated types to the same content (tested), so the `.proto` files stay the only contract.
 
-use counterpoint_kernel::log::event::fields::{Field, Fields, Record, Value};
+use counterpoint_kernel::log::event::fields::{EventField, EventRecord, EventValue, FieldWriter};
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 
 const VARINT: u8 = 0;
@@ -36,43 +36,45 @@ struct Wire<'a> {
     axes: usize,
 }
 
-impl Fields for Wire<'_> {
+impl FieldWriter for Wire<'_> {
     #[inline(always)]
-    fn put(&mut self, field: Field, value: Value<'_>) {
+    fn put(&mut self, field: EventField, value: EventValue<'_>) {
         let tag = field.tag;
         if tag == 0 {
             return;
         }
         match value {
-            Value::Bool(flag) => self.number(tag, u64::from(flag)),
-            Value::U8(number) | Value::Word(number, _) | Value::Named(number, _) => self.number(tag, number.into()),
-            Value::U16(number) | Value::File(number, _) => self.number(tag, number.into()),
-            Value::U32(number) => self.number(tag, number.into()),
-            Value::U64(number) => self.number(tag, number),
-            Value::I64(number) => self.number(tag, number as u64),
-            Value::Float(number) if number.to_bits() == 0 => {}
-            Value::Float(number) | Value::Known(Some(number)) => {
+            EventValue::Bool(flag) => self.number(tag, u64::from(flag)),
+            EventValue::U8(number) | EventValue::Word(number, _) | EventValue::Named(number, _) => {
+                self.number(tag, number.into())
+            }
+            EventValue::U16(number) | EventValue::File(number, _) => self.number(tag, number.into()),
+            EventValue::U32(number) => self.number(tag, number.into()),
+            EventValue::U64(number) => self.number(tag, number),
+            EventValue::I64(number) => self.number(tag, number as u64),
+            EventValue::Float(number) if number.to_bits() == 0 => {}
+            EventValue::Float(number) | EventValue::Known(Some(number)) => {
                 self.key(tag, FIXED64);
                 self.out.extend_from_slice(&number.to_le_bytes());
             }
-            Value::Known(None) | Value::Center => {}
-            Value::Text(text) => self.text(tag, text),
-            Value::Letter(letter) => self.text(tag, letter.encode_utf8(&mut [0; 4])),
-            Value::Channels([]) => {}
-            Value::Channels(channels) => self.varints(tag, channels),
-            Value::Position(position) => self.floats(tag, position.get(..self.axes).unwrap_or_default()),
-            Value::Axes(axes) => self.varints(tag, axes),
-            Value::Pair(pair) => self.floats(tag, pair),
+            EventValue::Known(None) | EventValue::Center => {}
+            EventValue::Text(text) => self.text(tag, text),
+            EventValue::Letter(letter) => self.text(tag, letter.encode_utf8(&mut [0; 4])),
+            EventValue::Channels([]) => {}
+            EventValue::Channels(channels) => self.varints(tag, channels),
+            EventValue::Position(position) => self.floats(tag, position.get(..self.axes).unwrap_or_default()),
+            EventValue::Axes(axes) => self.varints(tag, axes),
+            EventValue::Pair(pair) => self.floats(tag, pair),
         }
     }
 
-    fn message<R: Record>(&mut self, field: Field, record: Option<&R>) {
+    fn message<R: EventRecord>(&mut self, field: EventField, record: Option<&R>) {
         if let (Some(record), 1..) = (record, field.tag) {
             self.nested(field.tag, |wire| record.fields(wire));
         }
     }
 
-    fn messages<R: Record>(&mut self, field: Field, records: &[R]) {
+    fn messages<R: EventRecord>(&mut self, field: EventField, records: &[R]) {
         records.iter().for_each(|record| self.message(field, Some(record)));
     }
 }

@@ -22,7 +22,7 @@ fn wanted(level: WatchLevel, field: u64) -> bool {
 
 /// A filtered batch being put together.
 #[derive(Debug)]
-pub(crate) struct Filter {
+pub(crate) struct BatchFilter {
     level: WatchLevel,
     out: Vec<u8>,
     first: u64,
@@ -30,7 +30,7 @@ pub(crate) struct Filter {
     events: usize,
 }
 
-impl Filter {
+impl BatchFilter {
     pub(crate) fn new(level: WatchLevel) -> Self {
         Self { level, out: Vec::new(), first: 0, last: 0, events: 0 }
     }

@@ -12,24 +12,24 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use super::damage::of_job;
-use super::segments::Segments;
+use super::segments::CompressedLog;
 
 /// A log to be read, and its job.
 #[derive(Debug, Clone)]
-pub(crate) struct Kept {
+pub(crate) struct StoredLog {
     pub(crate) job: Arc<str>,
-    place: Place,
+    place: LogLocation,
 }
 
 #[derive(Debug, Clone)]
-enum Place {
-    Files(Files),
+enum LogLocation {
+    Files(LogPaths),
     Ledger(Bytes),
 }
 
 /// Where the file of a log is.
 #[derive(Debug, Clone)]
-pub(crate) struct Files {
+pub(crate) struct LogPaths {
     pub(crate) plain: PathBuf,
     pub(crate) segments: PathBuf,
 }
@@ -64,7 +64,7 @@ impl Input for Cursor<Bytes> {
     }
 }
 
-impl Input for Segments {
+impl Input for CompressedLog {
     fn place(&mut self, after: u64) -> io::Result<Option<u64>> {
         self.place(after).map(Some)
     }
@@ -74,7 +74,7 @@ impl Input for Segments {
     }
 }
 
-impl Files {
+impl LogPaths {
     /// Whether there is a log.
     pub(crate) fn there(&self) -> bool {
         self.plain.is_file() || self.segments.is_file()
@@ -83,7 +83,7 @@ impl Files {
     fn open(&self) -> io::Result<Box<dyn Input>> {
         match File::open(&self.plain) {
             Ok(file) => Ok(Box::new(file)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Box::new(Segments::open(&self.segments)?)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Box::new(CompressedLog::open(&self.segments)?)),
             Err(error) => Err(error),
         }
     }
@@ -91,24 +91,24 @@ impl Files {
     fn length(&self) -> io::Result<u64> {
         match self.plain.metadata() {
             Ok(meta) => Ok(meta.len()),
-            Err(_) => Ok(Segments::open(&self.segments)?.length()),
+            Err(_) => Ok(CompressedLog::open(&self.segments)?.length()),
         }
     }
 }
 
-impl Kept {
+impl StoredLog {
     /// A log in files.
-    pub(crate) fn in_files(job: &str, files: Files) -> Self {
-        Self { job: job.into(), place: Place::Files(files) }
+    pub(crate) fn in_files(job: &str, files: LogPaths) -> Self {
+        Self { job: job.into(), place: LogLocation::Files(files) }
     }
 
     /// A log in the ledger.
     pub(crate) fn in_ledger(job: &str, log: Bytes) -> Self {
-        Self { job: job.into(), place: Place::Ledger(log) }
+        Self { job: job.into(), place: LogLocation::Ledger(log) }
     }
 
     pub(crate) fn is_in_files(&self) -> bool {
-        matches!(self.place, Place::Files(_))
+        matches!(self.place, LogLocation::Files(_))
     }
 
     /// Checks the bytes that no reader needs.
@@ -117,8 +117,8 @@ impl Kept {
     /// When they are damaged, or cannot be read.
     pub(crate) fn check_beginning(&self) -> io::Result<()> {
         match &self.place {
-            Place::Files(files) if !files.plain.is_file() => {
-                Segments::open(&files.segments)?.check_beginning().map_err(|error| of_job(error, &self.job))
+            LogLocation::Files(files) if !files.plain.is_file() => {
+                CompressedLog::open(&files.segments)?.check_beginning().map_err(|error| of_job(error, &self.job))
             }
             _ => Ok(()),
         }
@@ -126,8 +126,8 @@ impl Kept {
 
     pub(crate) fn open(&self) -> io::Result<Box<dyn Input>> {
         match &self.place {
-            Place::Files(files) => files.open(),
-            Place::Ledger(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
+            LogLocation::Files(files) => files.open(),
+            LogLocation::Ledger(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
         }
     }
 
@@ -137,8 +137,8 @@ impl Kept {
     /// When its file is damaged or cannot be read.
     pub(crate) fn length(&self) -> io::Result<u64> {
         match &self.place {
-            Place::Files(files) => files.length(),
-            Place::Ledger(bytes) => Ok(bytes.len() as u64),
+            LogLocation::Files(files) => files.length(),
+            LogLocation::Ledger(bytes) => Ok(bytes.len() as u64),
         }
     }
 }

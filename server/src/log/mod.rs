@@ -10,8 +10,8 @@
 use std::fmt::Debug;
 use std::io;
 
-use sums::Sums;
-use wanted::Wanted;
+use sums::FileChecksum;
+use wanted::ResultGate;
 
 #[cfg(test)]
 mod codec_tests;
@@ -32,16 +32,16 @@ pub(crate) mod writer;
 /// Keeps the logs of jobs, and the other output of runs. All calls may block.
 pub(crate) trait Logs: Send + Sync + Debug {
     /// A place for the log of a run that begins; removes log and results of the previous run.
-    fn begin(&self, id: &str) -> io::Result<Box<dyn writer::Place>>;
+    fn begin(&self, id: &str) -> io::Result<Box<dyn writer::LogDestination>>;
 
     /// The log of a job, unless it is small and in the ledger.
-    fn kept(&self, id: &str) -> Option<kept::Kept>;
+    fn kept(&self, id: &str) -> Option<kept::StoredLog>;
 
     /// Stores a result beside the log, whole or not at all.
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
 
     /// Same for a result that can be made again, if it is still wanted. A power failure may lose the result.
-    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()>;
+    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &ResultGate) -> io::Result<()>;
 
     /// A stored result. A damaged result that can be made again counts as missing.
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn io::Read + Send>>;
@@ -77,15 +77,15 @@ pub(crate) const RECORD_MAX: usize = 64 << 20;
 
 /// The frame in front of an encoded batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Frame {
+pub(crate) struct BatchFrame {
     pub(crate) length: u32,
     pub(crate) crc: u32,
     pub(crate) first: u64,
     pub(crate) last: u64,
 }
 
-impl Frame {
-    pub(crate) fn of(sums: Sums, body: &[u8], first: u64, last: u64) -> Self {
+impl BatchFrame {
+    pub(crate) fn of(sums: FileChecksum, body: &[u8], first: u64, last: u64) -> Self {
         Self { length: body.len() as u32, crc: sums.of_content(body), first, last }
     }
 

@@ -11,9 +11,9 @@ use counterpoint_proto::v1::JobDescription;
 use prost::Message as _;
 
 use super::damage::{cut_short, damage, of_job};
-use super::kept::{Input, Kept};
-use super::sums::Sums;
-use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
+use super::kept::{Input, StoredLog};
+use super::sums::FileChecksum;
+use super::{BatchFrame, FRAME, MAGIC, RECORD_MAX, decode, encode};
 
 /// Bytes read at once. A client that does not read holds the piece of its last batch.
 const PIECE: usize = 24 * 1024;
@@ -25,21 +25,21 @@ pub(crate) struct Batch {
     pub(crate) last: u64,
     pub(crate) body: Bytes,
     /// Its record in the file.
-    pub(crate) spot: Spot,
+    pub(crate) spot: ResumePoint,
 }
 
 /// A record of a log, from which reading can continue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Spot {
+pub(crate) struct ResumePoint {
     at: u64,
-    sums: Sums,
+    sums: FileChecksum,
 }
 
 /// A place in a log.
 #[derive(Debug)]
-pub(crate) struct Reader {
+pub(crate) struct LogReader {
     job: Arc<str>,
-    sums: Sums,
+    sums: FileChecksum,
     file: Box<dyn Input>,
     description: JobDescription,
     /// Bytes read and not yet handed out.
@@ -51,13 +51,13 @@ pub(crate) struct Reader {
     after: u64,
 }
 
-impl Reader {
+impl LogReader {
     /// Opens a log whose head has been written; batches up to number `after` are skipped.
-    pub(crate) fn open(log: &Kept, after: u64) -> io::Result<Self> {
+    pub(crate) fn open(log: &StoredLog, after: u64) -> io::Result<Self> {
         Self::at_head(log, after).map_err(|error| of_job(error, &log.job))
     }
 
-    fn at_head(log: &Kept, after: u64) -> io::Result<Self> {
+    fn at_head(log: &StoredLog, after: u64) -> io::Result<Self> {
         let mut file = log.open()?;
         let mut head = [0; MAGIC.len() + FRAME];
         let cut = |error: io::Error| match error.kind() {
@@ -66,7 +66,7 @@ impl Reader {
         };
         file.read_exact(&mut head).map_err(cut)?;
         let (magic, frame) = head.split_at(MAGIC.len());
-        let known = Sums::of_magic(&log.job, magic).zip(Frame::read(frame));
+        let known = FileChecksum::of_magic(&log.job, magic).zip(BatchFrame::read(frame));
         let (sums, frame) = known.ok_or_else(|| damage("its head is not valid"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
         file.read_exact(&mut description).map_err(cut)?;
@@ -85,7 +85,7 @@ impl Reader {
     }
 
     /// Opens a log again at a record; its description is not read.
-    pub(crate) fn resume(log: &Kept, Spot { at, sums }: Spot, after: u64) -> io::Result<Self> {
+    pub(crate) fn resume(log: &StoredLog, ResumePoint { at, sums }: ResumePoint, after: u64) -> io::Result<Self> {
         let mut file = log.open().map_err(|error| of_job(error, &log.job))?;
         file.seek(SeekFrom::Start(at))?;
         let (job, description) = (log.job.clone(), JobDescription::default());
@@ -93,7 +93,7 @@ impl Reader {
     }
 
     /// Opens an ended log, to be read to the end of the file.
-    pub(crate) fn open_ended(log: &Kept, after: u64) -> io::Result<Self> {
+    pub(crate) fn open_ended(log: &StoredLog, after: u64) -> io::Result<Self> {
         let mut reader = Self::open(log, after)?;
         reader.limit = log.length().map_err(|error| of_job(error, &log.job))?;
         Ok(reader)
@@ -129,7 +129,7 @@ impl Reader {
             if !self.fill(FRAME)? {
                 return Ok(None);
             }
-            let frame = Frame::read(&self.piece).ok_or_else(|| damage("a frame cannot be read"))?;
+            let frame = BatchFrame::read(&self.piece).ok_or_else(|| damage("a frame cannot be read"))?;
             let length = frame.length as usize;
             if length > RECORD_MAX {
                 return Err(damage("a record is too long"));
@@ -141,7 +141,7 @@ impl Reader {
             if !self.fill(FRAME + length)? {
                 return Ok(None);
             }
-            let spot = Spot { at: self.read - self.piece.len() as u64, sums: self.sums };
+            let spot = ResumePoint { at: self.read - self.piece.len() as u64, sums: self.sums };
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
             if self.sums.of_content(&body) != frame.crc || !decode::spans(&body, frame.first, frame.last) {
@@ -206,7 +206,7 @@ pub(crate) type Gone = Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
 pub(crate) struct Events {
-    reader: Reader,
+    reader: LogReader,
     batch: std::vec::IntoIter<(u64, Event)>,
     last: u64,
     expected: u64,
@@ -216,7 +216,7 @@ pub(crate) struct Events {
 
 impl Events {
     /// Of a log whose last event has the number `expected`.
-    pub(crate) fn new(reader: Reader, expected: u64) -> Self {
+    pub(crate) fn new(reader: LogReader, expected: u64) -> Self {
         Self { reader, batch: Vec::new().into_iter(), last: 0, expected, gone: None, error: None }
     }
 
@@ -274,18 +274,18 @@ pub(crate) mod tests {
 
     /// The plain log of a job with this number of events.
     pub(crate) fn plain(job: &str, events: u64) -> Vec<u8> {
-        of_form(MAGIC, Sums::of_log(job), events)
+        of_form(MAGIC, FileChecksum::of_log(job), events)
     }
 
     /// The same log as an earlier version wrote it.
     pub(crate) fn earlier(events: u64) -> Vec<u8> {
-        of_form(EARLIER_MAGIC, Sums::EARLIER, events)
+        of_form(EARLIER_MAGIC, FileChecksum::EARLIER, events)
     }
 
-    fn of_form(magic: &[u8], sums: Sums, events: u64) -> Vec<u8> {
+    fn of_form(magic: &[u8], sums: FileChecksum, events: u64) -> Vec<u8> {
         let description = JobDescription::default().encode_to_vec();
         let mut log = magic.to_vec();
-        log.extend(Frame::of(sums, &description, 0, 0).to_bytes());
+        log.extend(BatchFrame::of(sums, &description, 0, 0).to_bytes());
         log.extend(&description);
         let kinds = codec_tests::events();
         let mut first = 1;
@@ -295,7 +295,7 @@ pub(crate) mod tests {
             encode::varint_field(&mut body, 1, first);
             (first..=last).zip(kinds.iter().cycle()).for_each(|(seq, event)| encode::event(&mut body, seq, event, 4));
             encode::varint_field(&mut body, 2, last);
-            log.extend(Frame::of(sums, &body, first, last).to_bytes());
+            log.extend(BatchFrame::of(sums, &body, first, last).to_bytes());
             log.extend(&body);
             first = last + 1;
         }

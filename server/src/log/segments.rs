@@ -11,8 +11,8 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use super::damage::damage;
-use super::sums::Sums;
-use super::{FRAME, Frame, MAGIC as LOG, RECORD_MAX};
+use super::sums::FileChecksum;
+use super::{BatchFrame, FRAME, MAGIC as LOG, RECORD_MAX};
 
 const MAGIC: &[u8; 8] = b"CPSEG\0\0\x01";
 /// Bytes after which a segment is closed.
@@ -23,7 +23,7 @@ const END: usize = 16;
 
 /// Data of a segment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Entry {
+struct SegmentEntry {
     /// Where it begins in the plain file.
     plain: u64,
     /// Where it begins in this file.
@@ -37,7 +37,7 @@ struct Entry {
     crc: u32,
 }
 
-impl Entry {
+impl SegmentEntry {
     fn to_bytes(self) -> Vec<u8> {
         let mut bytes: Vec<u8> = [self.plain, self.at, self.first].into_iter().flat_map(u64::to_le_bytes).collect();
         bytes.extend([self.length, self.packed, self.crc].into_iter().flat_map(u32::to_le_bytes));
@@ -72,7 +72,7 @@ impl Entry {
 struct Packer<'a> {
     out: &'a mut dyn Write,
     written: u64,
-    entries: Vec<Entry>,
+    entries: Vec<SegmentEntry>,
     /// The open segment, its first event, and where it begins in the plain file.
     segment: Vec<u8>,
     first: u64,
@@ -93,7 +93,7 @@ impl Packer<'_> {
         let length = lz4_flex::block::compress_into(&segment, &mut packed).map_err(io::Error::other)?;
         packed.truncate(length);
         let stored = if packed.len() < segment.len() { &packed } else { &segment };
-        self.entries.push(Entry {
+        self.entries.push(SegmentEntry {
             plain: self.plain,
             at: self.written,
             first: self.first,
@@ -126,12 +126,12 @@ pub(crate) fn pack(job: &str, log: &mut dyn Read, out: &mut dyn Write) -> io::Re
     packer.write(MAGIC)?;
     let mut magic = [0; LOG.len()];
     log.read_exact(&mut magic)?;
-    let sums = Sums::of_magic(job, &magic).ok_or_else(|| damage("its head is not valid"))?;
+    let sums = FileChecksum::of_magic(job, &magic).ok_or_else(|| damage("its head is not valid"))?;
     packer.segment.extend_from_slice(&magic);
     // The head, then every record.
     let mut frame = [0; FRAME];
     while fill(log, &mut frame)? {
-        let read = Frame::read(&frame).filter(|read| read.length as usize <= RECORD_MAX);
+        let read = BatchFrame::read(&frame).filter(|read| read.length as usize <= RECORD_MAX);
         let Some(read) = read else { return Err(damage("a record is too long")) };
         if packer.segment.is_empty() {
             packer.first = read.first;
@@ -176,7 +176,7 @@ fn fill(log: &mut dyn Read, room: &mut [u8]) -> io::Result<bool> {
 
 /// A log in its compressed form, read as the plain one.
 #[derive(Debug)]
-pub(crate) struct Segments<F = File> {
+pub(crate) struct CompressedLog<F = File> {
     file: F,
     /// Number of segments, and where their entries begin.
     count: u64,
@@ -184,19 +184,19 @@ pub(crate) struct Segments<F = File> {
     length: u64,
     /// The segment in memory.
     number: u64,
-    entry: Entry,
+    entry: SegmentEntry,
     segment: Vec<u8>,
     /// Position in the plain file.
     at: u64,
 }
 
-impl Segments {
+impl CompressedLog {
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         Self::of(File::open(path)?)
     }
 }
 
-impl<F: Read + Seek> Segments<F> {
+impl<F: Read + Seek> CompressedLog<F> {
     fn of(mut file: F) -> io::Result<Self> {
         let size = file.seek(SeekFrom::End(0))?;
         let mut end = [0; END];
@@ -210,7 +210,8 @@ impl<F: Read + Seek> Segments<F> {
             return Err(damage("the end of its segments is not one"));
         };
         let (number, segment) = (u64::MAX, Vec::new());
-        let mut segments = Self { file, count, entries, length: 0, number, entry: Entry::default(), segment, at: 0 };
+        let mut segments =
+            Self { file, count, entries, length: 0, number, entry: SegmentEntry::default(), segment, at: 0 };
         segments.length = segments.entry(count - 1)?.end();
         Ok(segments)
     }
@@ -231,15 +232,15 @@ impl<F: Read + Seek> Segments<F> {
         self.length
     }
 
-    fn entry(&mut self, number: u64) -> io::Result<Entry> {
+    fn entry(&mut self, number: u64) -> io::Result<SegmentEntry> {
         let mut bytes = [0; ENTRY];
         self.file.seek(SeekFrom::Start(self.entries + number * ENTRY as u64))?;
         self.file.read_exact(&mut bytes)?;
-        Entry::read(&bytes).ok_or_else(|| damage("an entry of its segments has a wrong checksum"))
+        SegmentEntry::read(&bytes).ok_or_else(|| damage("an entry of its segments has a wrong checksum"))
     }
 
     /// Number of the last segment that `begins` at or before the target; segments ascend.
-    fn last(&mut self, begins: impl Fn(&Entry) -> bool) -> io::Result<u64> {
+    fn last(&mut self, begins: impl Fn(&SegmentEntry) -> bool) -> io::Result<u64> {
         let (mut from, mut to) = (0, self.count - 1);
         while from < to {
             let middle = from + (to - from).div_ceil(2);
@@ -264,7 +265,7 @@ impl<F: Read + Seek> Segments<F> {
 
     /// Has the segment with the position in memory.
     fn load(&mut self) -> io::Result<()> {
-        let within = |entry: &Entry, at: u64| (entry.plain..entry.end()).contains(&at);
+        let within = |entry: &SegmentEntry, at: u64| (entry.plain..entry.end()).contains(&at);
         if self.number < self.count && within(&self.entry, self.at) {
             return Ok(());
         }
@@ -304,7 +305,7 @@ impl<F: Read + Seek> Segments<F> {
     }
 }
 
-impl<F: Read + Seek> Read for Segments<F> {
+impl<F: Read + Seek> Read for CompressedLog<F> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         if self.at >= self.length || out.is_empty() {
             return Ok(0);
@@ -321,7 +322,7 @@ impl<F: Read + Seek> Read for Segments<F> {
     }
 }
 
-impl<F: Read + Seek> Seek for Segments<F> {
+impl<F: Read + Seek> Seek for CompressedLog<F> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         let at = match to {
             SeekFrom::Start(at) => Some(at),

@@ -7,9 +7,9 @@ use super::{EARLIER_MAGIC, MAGIC};
 
 /// CRC-32 over the job, the name of the file, and its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Sums(u32);
+pub(crate) struct FileChecksum(u32);
 
-impl Sums {
+impl FileChecksum {
     /// Checksums over the content alone, as in earlier versions.
     pub(crate) const EARLIER: Self = Self(0);
 
@@ -52,15 +52,15 @@ mod tests {
 
     #[test]
     fn a_content_has_another_checksum_under_another_job_or_name() {
-        let of = |job: &str, file: &str| Sums::of(job, file).of_content(b"content");
+        let of = |job: &str, file: &str| FileChecksum::of(job, file).of_content(b"content");
         let mut sums = vec![of("a", "log"), of("b", "log"), of("a", "files.json"), of("al", "og")];
-        sums.push(Sums::EARLIER.of_content(b"content"));
+        sums.push(FileChecksum::EARLIER.of_content(b"content"));
         sums.sort_unstable();
         sums.dedup();
         assert_eq!(sums.len(), 5);
-        assert_eq!(Sums::EARLIER.of_content(b"content"), crc32fast::hash(b"content"));
-        assert_eq!(Sums::of_magic("a", EARLIER_MAGIC), Some(Sums::EARLIER));
-        assert_eq!(Sums::of_magic("a", MAGIC), Some(Sums::of_log("a")));
-        assert_eq!(Sums::of_magic("a", b"CPLOG\0\0\x03"), None);
+        assert_eq!(FileChecksum::EARLIER.of_content(b"content"), crc32fast::hash(b"content"));
+        assert_eq!(FileChecksum::of_magic("a", EARLIER_MAGIC), Some(FileChecksum::EARLIER));
+        assert_eq!(FileChecksum::of_magic("a", MAGIC), Some(FileChecksum::of_log("a")));
+        assert_eq!(FileChecksum::of_magic("a", b"CPLOG\0\0\x03"), None);
     }
 }

@@ -1,21 +1,21 @@
 //! Whether results are still wanted that are stored while their job ends.
 //!
-//! *Invariant:* after [`Wanted::end`] nothing more is stored, so the folder of a deleted job is not created again.
+//! *Invariant:* after [`ResultGate::end`] nothing more is stored, so the folder of a deleted job is not created again.
 
 use std::io;
 use std::sync::{Mutex, PoisonError};
 
 /// Shared by the run of a job and the thread that stores its results.
 #[derive(Debug)]
-pub(crate) struct Wanted(Mutex<bool>);
+pub(crate) struct ResultGate(Mutex<bool>);
 
-impl Default for Wanted {
+impl Default for ResultGate {
     fn default() -> Self {
         Self(Mutex::new(true))
     }
 }
 
-impl Wanted {
+impl ResultGate {
     /// Stops storing results. Waits while a file gets its name.
     pub(crate) fn end(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = false;

@@ -13,9 +13,9 @@ use bytes::Bytes;
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 use counterpoint_kernel::log::info::Info;
 
-use super::sums::Sums;
+use super::sums::FileChecksum;
 use super::tail::Tail;
-use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
+use super::{BATCH_BYTES, BATCH_EVENTS, BatchFrame, FRAME, MAGIC, encode};
 
 const WRITE_BYTES: usize = 256 * 1024;
 const WRITE_EVERY: Duration = Duration::from_millis(10);
@@ -24,7 +24,7 @@ const WRITE_EVERY: Duration = Duration::from_millis(10);
 const SMALL: usize = 16 * 1024;
 
 /// Where a log goes.
-pub(crate) trait Place: Send + Debug {
+pub(crate) trait LogDestination: Send + Debug {
     /// Appends bytes.
     fn write(&mut self, content: &[u8]) -> io::Result<()>;
 
@@ -40,11 +40,11 @@ pub(crate) trait Place: Send + Debug {
 
 /// A log that has ended.
 #[derive(Debug)]
-pub(crate) enum Ended {
+pub(crate) enum FinishedLog {
     /// It has no file.
     Small(Small),
     /// It is to be sealed.
-    Placed(Box<dyn Place>),
+    Placed(Box<dyn LogDestination>),
 }
 
 /// A log that has no file.
@@ -57,8 +57,8 @@ pub(crate) struct Small {
 /// The one writer of a log.
 #[derive(Debug)]
 pub(crate) struct Writer {
-    place: Box<dyn Place>,
-    sums: Sums,
+    place: Box<dyn LogDestination>,
+    sums: FileChecksum,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -73,7 +73,13 @@ pub(crate) struct Writer {
 
 impl Writer {
     /// Starts the log of a job at a place. The head contains the encoded description of the job.
-    pub(crate) fn new(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
+    pub(crate) fn new(
+        job: &str,
+        place: Box<dyn LogDestination>,
+        tail: Arc<Tail>,
+        info: &Info,
+        description: &[u8],
+    ) -> Self {
         let mut axes = Vec::new();
         for channel in &info.channels {
             let number = usize::from(channel.number);
@@ -88,13 +94,13 @@ impl Writer {
     }
 
     /// Starts the log of a job that receives unchanged copies of another job's events.
-    pub(crate) fn of_copy(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, description: &[u8]) -> Self {
-        let sums = Sums::of_log(job);
+    pub(crate) fn of_copy(job: &str, place: Box<dyn LogDestination>, tail: Arc<Tail>, description: &[u8]) -> Self {
+        let sums = FileChecksum::of_log(job);
         let axes = Vec::new();
         // It grows with its log: most are small.
         let mut buffer = Vec::with_capacity(SMALL / 2);
         buffer.extend_from_slice(MAGIC);
-        buffer.extend_from_slice(&Frame::of(sums, description, 0, 0).to_bytes());
+        buffer.extend_from_slice(&BatchFrame::of(sums, description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
         Self { place, sums, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() }
     }
@@ -122,7 +128,7 @@ impl Writer {
     /// Appends an encoded batch after the existing events.
     pub(crate) fn copy(&mut self, first: u64, last: u64, body: &[u8]) -> io::Result<()> {
         self.close_record();
-        self.buffer.extend_from_slice(&Frame::of(self.sums, body, first, last).to_bytes());
+        self.buffer.extend_from_slice(&BatchFrame::of(self.sums, body, first, last).to_bytes());
         self.buffer.extend_from_slice(body);
         self.last_seq = last;
         if self.buffer.len() >= WRITE_BYTES { self.write() } else { self.flush_old() }
@@ -140,13 +146,13 @@ impl Writer {
     }
 
     /// Writes everything, unless the log is small and nothing of it has been written.
-    pub(crate) fn finish(mut self) -> io::Result<Ended> {
+    pub(crate) fn finish(mut self) -> io::Result<FinishedLog> {
         self.close_record();
         if !self.place.used() && self.buffer.len() <= SMALL {
-            return Ok(Ended::Small(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
+            return Ok(FinishedLog::Small(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
         }
         self.write()?;
-        Ok(Ended::Placed(self.place))
+        Ok(FinishedLog::Placed(self.place))
     }
 
     /// Whether events have not been written yet.
@@ -171,7 +177,8 @@ impl Writer {
     fn close_record(&mut self) {
         let Some((start, first)) = self.open.take() else { return };
         encode::varint_field(&mut self.buffer, 2, self.last_seq);
-        let frame = Frame::of(self.sums, self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
+        let frame =
+            BatchFrame::of(self.sums, self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
         if let Some(slot) = self.buffer.get_mut(start..start + FRAME) {
             slot.copy_from_slice(&frame.to_bytes());
         }

@@ -4,19 +4,20 @@
 
 use std::sync::{Arc, LazyLock};
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::package::Overlay;
-use counterpoint_kernel::machine::signs::Candidate;
+use counterpoint_kernel::machine::signs::MachineCandidate;
 use counterpoint_kernel::machine::{candidates as with_signs, package};
 
-use super::{Definition, is_shipped};
+use super::{MachineRecord, is_shipped};
 use crate::blobs::Blobs;
 use crate::reason::Refusal;
 
-static SHIPPED: LazyLock<Vec<Candidate>> = LazyLock::new(|| with_signs(&package::shipped(), &package::shipped_names()));
+static SHIPPED: LazyLock<Vec<MachineCandidate>> =
+    LazyLock::new(|| with_signs(&package::shipped(), &package::shipped_names()));
 
 /// The candidates for a tenant that has these machines.
-pub(crate) fn candidates(blobs: &Arc<dyn Blobs>, own: &[Definition]) -> Result<Vec<Candidate>, Refusal> {
+pub(crate) fn candidates(blobs: &Arc<dyn Blobs>, own: &[MachineRecord]) -> Result<Vec<MachineCandidate>, Refusal> {
     let mut all = SHIPPED.clone();
     for definition in own.iter().filter(|definition| !is_shipped(&definition.name)) {
         let blobs = blobs.of(&definition.tenant);
@@ -26,7 +27,7 @@ pub(crate) fn candidates(blobs: &Arc<dyn Blobs>, own: &[Definition]) -> Result<V
         if !text.windows(6).any(|part| part == b"[signs") {
             continue;
         }
-        let mut files = Memory::default();
+        let mut files = MemoryFiles::default();
         for (path, digest) in definition.files.iter().filter(|(path, _)| path.ends_with("/machine.toml")) {
             files.insert(path.clone(), blobs.read(digest)?);
         }

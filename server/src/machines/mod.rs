@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::machine::package::Overlay;
@@ -25,7 +25,7 @@ pub(crate) use candidates::candidates;
 
 /// A machine as the ledger keeps it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Definition {
+pub(crate) struct MachineRecord {
     /// Its folder.
     pub(crate) name: String,
     /// Path → digest; empty for a shipped machine.
@@ -38,7 +38,7 @@ pub(crate) struct Definition {
     pub(crate) trusted: bool,
 }
 
-impl Definition {
+impl MachineRecord {
     pub(crate) fn shipped(name: &str) -> Self {
         Self { name: name.to_owned(), files: BTreeMap::new(), tenant: tenant::default(), trusted: true }
     }
@@ -51,7 +51,7 @@ impl Definition {
 
 /// The machine of a job without its files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "Stored")]
+#[serde(from = "StoredMachine")]
 pub struct Pinned {
     /// Its folder.
     pub name: String,
@@ -64,7 +64,7 @@ pub struct Pinned {
 
 /// The machine in the row of a job; before schema 8 it has its files instead of their digest.
 #[derive(Deserialize)]
-struct Stored {
+struct StoredMachine {
     name: String,
     #[serde(default)]
     revision: String,
@@ -74,15 +74,15 @@ struct Stored {
     files: BTreeMap<String, String>,
 }
 
-impl From<Stored> for Pinned {
-    fn from(Stored { name, revision, trusted, files }: Stored) -> Self {
+impl From<StoredMachine> for Pinned {
+    fn from(StoredMachine { name, revision, trusted, files }: StoredMachine) -> Self {
         let revision = if files.is_empty() { revision } else { revision_of(&files) };
         Self { name, revision, trusted }
     }
 }
 
-impl From<&Definition> for Pinned {
-    fn from(machine: &Definition) -> Self {
+impl From<&MachineRecord> for Pinned {
+    fn from(machine: &MachineRecord) -> Self {
         Self { name: machine.name.clone(), revision: machine.revision(), trusted: machine.trusted }
     }
 }
@@ -126,17 +126,17 @@ pub(crate) fn is_shipped(name: &str) -> bool {
 
 /// A loaded machine, if it can be used, with the findings of its check.
 #[derive(Debug, Clone)]
-pub(crate) struct Checked {
+pub(crate) struct CheckedMachine {
     pub(crate) machine: Option<Arc<Machine>>,
     pub(crate) findings: Vec<Finding>,
 }
 
 /// Loads machines and keeps those in use.
 #[derive(Debug)]
-pub(crate) struct Machines {
+pub(crate) struct MachineCache {
     blobs: Arc<dyn Blobs>,
     most: u64,
-    loaded: DashMap<(String, String), Checked>,
+    loaded: DashMap<(String, String), CheckedMachine>,
     /// Bytes of the files of those.
     bytes: AtomicU64,
 }
@@ -146,28 +146,28 @@ const KEPT: usize = 64;
 /// Bytes of their files beyond which it is emptied too.
 const KEPT_BYTES: u64 = 256 << 20;
 
-impl Machines {
+impl MachineCache {
     /// Machines with files of at most `most` bytes.
     pub(crate) fn new(blobs: Arc<dyn Blobs>, most: u64) -> Self {
         Self { blobs, most, loaded: DashMap::new(), bytes: AtomicU64::new(0) }
     }
 
     /// Bytes of all files of a definition, each name counted.
-    fn bytes(&self, blobs: &dyn Blobs, definition: &Definition) -> Result<u64, Refusal> {
+    fn bytes(&self, blobs: &dyn Blobs, definition: &MachineRecord) -> Result<u64, Refusal> {
         let sizes = definition.files.values().map(|digest| blobs.size(digest));
         let bytes = sizes.fold(0, u64::saturating_add);
         if bytes > self.most { Err(Refusal::MachineTooLarge(self.most)) } else { Ok(bytes) }
     }
 
     /// Loads and checks a definition; all its blobs must be there.
-    pub(crate) fn load(&self, definition: &Definition) -> Result<Checked, Refusal> {
+    pub(crate) fn load(&self, definition: &MachineRecord) -> Result<CheckedMachine, Refusal> {
         let blobs = self.blobs.of(&definition.tenant);
         let key = (tenant::key(&definition.tenant, &definition.name), definition.revision());
         if let Some(known) = self.loaded.get(&key) {
             return Ok(known.clone());
         }
         let bytes = self.bytes(&*blobs, definition)?;
-        let mut files = Memory::default();
+        let mut files = MemoryFiles::default();
         let mut contents: BTreeMap<&str, _> = BTreeMap::new();
         for (path, digest) in &definition.files {
             let content = match contents.get(digest.as_str()) {
@@ -178,7 +178,7 @@ impl Machines {
             files.0.insert(path.clone(), content);
         }
         let loaded = load(&Overlay::over_shipped(files), &definition.name);
-        let checked = Checked { machine: loaded.machine.map(Arc::new), findings: loaded.findings };
+        let checked = CheckedMachine { machine: loaded.machine.map(Arc::new), findings: loaded.findings };
         let kept = self.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
         if self.loaded.len() >= KEPT || kept > KEPT_BYTES {
             self.loaded.clear();

@@ -17,8 +17,8 @@ use tokio::time::{Instant, timeout_at};
 use tonic::Status;
 use tonic::body::Body;
 
-use crate::access::fair::Stay;
-use crate::memory::{Memory, Taken};
+use crate::access::fair::LongCall;
+use crate::memory::{MemoryBudget, MemoryReservation};
 use crate::reason::Refusal;
 
 /// Bytes before a message: a flag, and its length.
@@ -28,12 +28,12 @@ const HEAD: usize = 5;
 const FREE: usize = 64 * 1024;
 
 /// The body of a request of which a part has come.
-pub(super) struct Arrived {
+pub(super) struct BufferedBody {
     /// Each frame with its part of the memory budget.
-    come: VecDeque<(Bytes, Option<Taken>)>,
+    come: VecDeque<(Bytes, Option<MemoryReservation>)>,
     rest: Body,
     /// The call that lasts, whose data these are.
-    stay: Option<Stay>,
+    stay: Option<LongCall>,
 }
 
 /// Waits for the first message of a request, or for the end of the request.
@@ -44,8 +44,8 @@ pub(super) async fn first_message(
     mut rest: Body,
     most: usize,
     stall: Duration,
-    memory: &Arc<Memory>,
-) -> Result<Arrived, Refusal> {
+    memory: &Arc<MemoryBudget>,
+) -> Result<BufferedBody, Refusal> {
     let (mut come, mut head, mut bytes) = (VecDeque::new(), Vec::new(), 0);
     let mut until = Instant::now() + stall;
     loop {
@@ -66,22 +66,22 @@ pub(super) async fn first_message(
             come.push_back((data, taken));
         }
     }
-    Ok(Arrived { come, rest, stay: None })
+    Ok(BufferedBody { come, rest, stay: None })
 }
 
-impl Arrived {
+impl BufferedBody {
     /// A request whose messages the service reads as they come.
     pub(super) fn open(rest: Body) -> Self {
         Self { come: VecDeque::new(), rest, stay: None }
     }
 
     /// The request of a call that lasts.
-    pub(super) fn of(self, stay: Option<Stay>) -> Self {
+    pub(super) fn of(self, stay: Option<LongCall>) -> Self {
         Self { stay, ..self }
     }
 }
 
-impl http_body::Body for Arrived {
+impl http_body::Body for BufferedBody {
     type Data = Bytes;
     type Error = Status;
 

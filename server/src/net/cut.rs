@@ -22,9 +22,9 @@ use tower_service::Service;
 
 /// The status with which an answer is cut, once there is one.
 #[derive(Clone, Default)]
-pub(super) struct Cut(Arc<OnceLock<Status>>);
+pub(super) struct CutStatus(Arc<OnceLock<Status>>);
 
-impl Cut {
+impl CutStatus {
     /// Cuts the answer. Only the first status counts.
     pub(super) fn with(&self, status: Status) {
         let _ = self.0.set(status);
@@ -40,7 +40,7 @@ impl Cut {
 struct Cuttable {
     /// None after a cut.
     body: Option<Body>,
-    cut: Cut,
+    cut: CutStatus,
 }
 
 impl http_body::Body for Cuttable {
@@ -77,7 +77,7 @@ impl http_body::Body for Cuttable {
 pub(super) async fn ask(
     routes: Routes,
     request: Request<Body>,
-    cut: &Cut,
+    cut: &CutStatus,
     web: bool,
 ) -> Result<Response<Body>, Infallible> {
     let mut routes = CuttableRoutes { routes, cut: cut.clone() };
@@ -90,7 +90,7 @@ pub(super) async fn ask(
 /// The services, whose answer to one call can be cut.
 struct CuttableRoutes {
     routes: Routes,
-    cut: Cut,
+    cut: CutStatus,
 }
 
 impl Service<Request<Body>> for CuttableRoutes {

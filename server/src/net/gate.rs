@@ -1,6 +1,6 @@
 //! The checks of every connection and every call: encryption, identity, audit.
 //!
-//! Invariant: a call reaches its service only after [`Access`] has let it pass.
+//! Invariant: a call reaches its service only after [`AccessControl`] has let it pass.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -19,18 +19,18 @@ use super::unanswered::CallEnd;
 use super::web::Web;
 use crate::access::audit::{Audit, changes};
 use crate::access::calls::Needs;
-use crate::access::fair::{Stay, Turn};
+use crate::access::fair::{CallTurn, LongCall};
 use crate::access::strangers::SPAN;
-use crate::access::{Access, Admitted, Caller, CertificateNames, Identity, calls};
+use crate::access::{AccessControl, Admitted, Caller, CertificateNames, Identity, calls};
 use crate::jobs::Core;
-use crate::metrics::{Metrics, Rates};
-use crate::options::Options;
+use crate::metrics::{Metrics, RateLimitMetrics};
+use crate::options::ServerOptions;
 use crate::reason::Refusal;
 
 /// The gate of a server.
 #[derive(Debug)]
 pub(crate) struct Gate {
-    access: Access,
+    access: AccessControl,
     audit: Option<Audit>,
     metrics: Arc<Metrics>,
     pub(super) tls: Option<Tls>,
@@ -39,7 +39,7 @@ pub(crate) struct Gate {
 
 impl Gate {
     /// Reads the files that the options name, and refuses an address that strangers can reach without protection.
-    pub(crate) fn open(options: &Options, metrics: Arc<Metrics>) -> Result<Self, String> {
+    pub(crate) fn open(options: &ServerOptions, metrics: Arc<Metrics>) -> Result<Self, String> {
         let guard = &options.guard;
         let tls = Tls::open(guard)?;
         let identities = !guard.access.as_os_str().is_empty();
@@ -57,7 +57,7 @@ impl Gate {
                 format!("the audit log '{file}' (option audit) cannot be opened: {error}; its folder must exist")
             })?),
         };
-        Ok(Self { access: Access::open(guard)?, audit, metrics, tls, web: Web::open(guard) })
+        Ok(Self { access: AccessControl::open(guard)?, audit, metrics, tls, web: Web::open(guard) })
     }
 
     /// Reads files of identities and certificates again, and reopens the audit log. Files that cannot be read keep
@@ -155,7 +155,7 @@ impl Gate {
     }
 
     /// Waits until it is the turn of a caller.
-    pub(super) async fn turn(&self, caller: Option<&Caller>, path: &str) -> (Option<Turn>, Option<Stay>) {
+    pub(super) async fn turn(&self, caller: Option<&Caller>, path: &str) -> (Option<CallTurn>, Option<LongCall>) {
         let Some(caller) = caller else { return (None, None) };
         if calls::lasts(path) {
             return (None, Some(self.access.fair.stay(&caller.identity)));
@@ -167,7 +167,7 @@ impl Gate {
     }
 
     /// Counts of calls that come too often.
-    pub(super) fn rates(&self) -> &Rates {
+    pub(super) fn rates(&self) -> &RateLimitMetrics {
         &self.metrics.rates
     }
 

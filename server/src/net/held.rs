@@ -11,11 +11,11 @@ use tokio::time::{Instant, sleep_until};
 use tonic::Status;
 use tonic::body::Body;
 
-use super::cut::Cut;
-use crate::access::fair::Stay;
-use crate::connections::Call;
-use crate::memory::Taken;
-use crate::places::Place;
+use super::cut::CutStatus;
+use crate::access::fair::LongCall;
+use crate::connections::ActiveCall;
+use crate::memory::MemoryReservation;
+use crate::places::LimitedSlot;
 use crate::reason::Refusal;
 
 /// Ready when a call has lost its rights, with the status to end the call.
@@ -38,36 +38,41 @@ pub(super) fn ended(rights: Option<Ended>, deadline: Option<Instant>) -> Option<
 }
 
 /// A body and its call.
-pub(super) struct Held {
+pub(super) struct TrackedBody {
     body: Body,
     ended: Option<Ended>,
     /// Cuts the body of the service.
-    cut: Cut,
-    _call: Call,
-    stay: Option<Stay>,
-    _taken: Option<Arc<Taken>>,
-    _place: Option<Place<IpAddr>>,
+    cut: CutStatus,
+    _call: ActiveCall,
+    stay: Option<LongCall>,
+    _taken: Option<Arc<MemoryReservation>>,
+    _place: Option<LimitedSlot<IpAddr>>,
 }
 
-impl Held {
-    pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
-        Self { body, ended: None, cut: Cut::default(), _call: call, stay, _taken: taken, _place: None }
+impl TrackedBody {
+    pub(super) fn new(
+        body: Body,
+        call: ActiveCall,
+        stay: Option<LongCall>,
+        taken: Option<Arc<MemoryReservation>>,
+    ) -> Self {
+        Self { body, ended: None, cut: CutStatus::default(), _call: call, stay, _taken: taken, _place: None }
     }
 }
 
-impl Held {
+impl TrackedBody {
     /// The body of a call that ends with its rights, and cuts the body of its service then.
-    pub(super) fn until(self, ended: Option<Ended>, cut: Cut) -> Self {
+    pub(super) fn until(self, ended: Option<Ended>, cut: CutStatus) -> Self {
         Self { ended, cut, ..self }
     }
 
     /// The body of a call that holds a place until its end.
-    pub(super) fn keeping(self, place: Option<Place<IpAddr>>) -> Self {
+    pub(super) fn keeping(self, place: Option<LimitedSlot<IpAddr>>) -> Self {
         Self { _place: place, ..self }
     }
 }
 
-impl http_body::Body for Held {
+impl http_body::Body for TrackedBody {
     type Data = Bytes;
     type Error = Status;
 

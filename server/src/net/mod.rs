@@ -38,16 +38,16 @@ use tonic::service::Routes;
 use tonic::transport::server::TcpConnectInfo;
 
 use crate::access::{CertificateNames, calls};
-use crate::connections::{Call, Connection};
+use crate::connections::{ActiveCall, ListedConnection};
 use crate::jobs::Core;
-use crate::memory::Memory;
-use crate::places::Places;
+use crate::memory::MemoryBudget;
+use crate::places::SlotLimiter;
 use crate::reason::Refusal;
-use arrive::{Arrived, first_message};
-use cut::{Cut, ask};
+use arrive::{BufferedBody, first_message};
+use cut::{CutStatus, ask};
 pub(crate) use gate::Gate;
-use held::Held;
-use pause::{Pause, Paused};
+use held::TrackedBody;
+use pause::{Paused, ReadPause};
 pub(crate) use status::serve as monitor;
 use unanswered::Unanswered;
 use web::AnswerForm;
@@ -93,8 +93,8 @@ pub(crate) async fn serve(
 ) {
     let (options, listed) = (&core.options, core.connections.clone());
     let most = options.connections.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
-    let places = Arc::new(Places::new(most, options.connections.max_connections_per_address));
-    let health = Arc::new(Places::new(HEALTH_WATCHES, HEALTH_WATCHES_OF_AN_ADDRESS));
+    let places = Arc::new(SlotLimiter::new(most, options.connections.max_connections_per_address));
+    let health = Arc::new(SlotLimiter::new(HEALTH_WATCHES, HEALTH_WATCHES_OF_AN_ADDRESS));
     let patience = Patience {
         preface: Duration::from_secs(options.connections.preface_s),
         idle: Duration::from_secs(options.connections.idle_s),
@@ -130,7 +130,7 @@ pub(crate) async fn serve(
                 let (routes, gate, listed) = (routes.clone(), gate.clone(), listed.list(peer));
                 let (closing, open) = (closing.clone(), connections.subscribe());
                 let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
-                let (names, drain, pause) = (CertificateNames::default(), core.drain.follow(), Pause::default());
+                let (names, drain, pause) = (CertificateNames::default(), core.drain.follow(), ReadPause::default());
                 let (memory, health) = (core.memory().clone(), health.clone());
                 let peer = Peer { address: peer, info, names, gate, memory, health, drain, pause };
                 // Ends with the connection.
@@ -154,7 +154,7 @@ fn left(error: &std::io::Error) -> bool {
 /// Serves one connection to its end.
 async fn connection(
     stream: TcpStream,
-    (plain, listed): (Peer, Connection),
+    (plain, listed): (Peer, ListedConnection),
     routes: Routes,
     patience: Patience,
     mut closing: watch::Receiver<bool>,
@@ -193,18 +193,18 @@ struct Peer {
     info: TcpConnectInfo,
     names: CertificateNames,
     gate: Arc<Gate>,
-    memory: Arc<Memory>,
+    memory: Arc<MemoryBudget>,
     /// Places for watches of the health service.
-    health: Arc<Places<IpAddr>>,
+    health: Arc<SlotLimiter<IpAddr>>,
     drain: watch::Receiver<bool>,
-    pause: Pause,
+    pause: ReadPause,
 }
 
 /// Serves the calls of a connection that has begun to speak: HTTP/2, or HTTP/1.1 where gRPC-Web is allowed.
 async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     stream: S,
     first: &[u8; PREFACE],
-    (caller, listed): (Peer, Connection),
+    (caller, listed): (Peer, ListedConnection),
     routes: Routes,
     patience: Patience,
     closing: watch::Receiver<bool>,
@@ -232,7 +232,7 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
 async fn attend<F: Future>(
     mut server: Pin<&mut F>,
     leave: impl Fn(Pin<&mut F>),
-    (calls, pause): (&Connection, &Pause),
+    (calls, pause): (&ListedConnection, &ReadPause),
     patience: Patience,
     mut closing: watch::Receiver<bool>,
 ) {
@@ -292,13 +292,13 @@ async fn answer(
     routes: Routes,
     request: Request<Incoming>,
     peer: Arc<Peer>,
-    call: Call,
+    call: ActiveCall,
     stall: Duration,
-) -> Result<Response<Held>, Infallible> {
+) -> Result<Response<TrackedBody>, Infallible> {
     let form = match &peer.gate.web {
         None => AnswerForm::default(),
         Some(web) => match web.preflight(&request) {
-            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None, None))),
+            Some(answer) => return Ok(answer.map(|body| TrackedBody::new(body, call, None, None))),
             None => web.form_of_answer(request.headers()),
         },
     };
@@ -312,15 +312,15 @@ async fn answer_call(
     routes: Routes,
     mut request: Request<Incoming>,
     peer: Arc<Peer>,
-    call: Call,
+    call: ActiveCall,
     stall: Duration,
-) -> Result<Response<Held>, Infallible> {
+) -> Result<Response<TrackedBody>, Infallible> {
     let begin = Instant::now();
     let timeout = deadline(request.headers());
     let deadline = timeout.as_ref().ok().and_then(|time| begin.checked_add((*time)?));
     let caller = match turn::admitted(&mut request, &peer, &call, deadline).await {
         Ok(caller) => caller,
-        Err(refused) => return Ok(refused.map(|body| Held::new(body, call, None, None))),
+        Err(refused) => return Ok(refused.map(|body| TrackedBody::new(body, call, None, None))),
     };
     let path = request.uri().path().to_owned();
     if let Some((status, text)) = form::wrong(&request, peer.gate.web.is_some()) {
@@ -329,30 +329,30 @@ async fn answer_call(
         if status == StatusCode::METHOD_NOT_ALLOWED {
             refused.headers_mut().insert(ALLOW, HeaderValue::from_static("POST"));
         }
-        return Ok(refused.map(|body| Held::new(body, call, None, None)));
+        return Ok(refused.map(|body| TrackedBody::new(body, call, None, None)));
     }
     if let Err(refusal) = timeout {
         let refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, refusal);
-        return Ok(refused.map(|body| Held::new(body, call, None, None)));
+        return Ok(refused.map(|body| TrackedBody::new(body, call, None, None)));
     }
     let place = match calls::watches_health(&path).then(|| peer.health.take(peer.address.ip())) {
         Some(None) => {
             let refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, Refusal::TooManyHealthWatches);
-            return Ok(refused.map(|body| Held::new(body, call, None, None)));
+            return Ok(refused.map(|body| TrackedBody::new(body, call, None, None)));
         }
         place => place.flatten(),
     };
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     caller.iter().for_each(|caller| peer.gate.note_before(peer.address, caller, &path));
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
-    let (mut stay, mut late, cut) = (None, false, Cut::default());
+    let (mut stay, mut late, cut) = (None, false, CutStatus::default());
     let response = {
         // Pinned where they are, as a future that moves into another one takes its room twice.
         let answered = pin!(async {
             let (parts, body) = request.map(Body::new).into_parts();
             let (most, memory) = room(&path, &peer.memory);
             let arrived = match calls::sends_many(&path) {
-                true => Arrived::open(body),
+                true => BufferedBody::open(body),
                 false => match first_message(body, most, stall, &memory).await {
                     Ok(arrived) => arrived,
                     Err(refusal) => return Ok(Status::from(refusal).into_http()),
@@ -392,13 +392,13 @@ async fn answer_call(
     }
     let taken = response.extensions_mut().remove();
     let ended = held::ended(rights, deadline.filter(|_| !late));
-    Ok(response.map(|body| Held::new(body, call, stay, taken).until(ended, cut).keeping(place)))
+    Ok(response.map(|body| TrackedBody::new(body, call, stay, taken).until(ended, cut).keeping(place)))
 }
 
 /// Maximum size of a message to the call of a path, bytes, and the budget that counts it: none for health checks.
-fn room(path: &str, memory: &Arc<Memory>) -> (usize, Arc<Memory>) {
+fn room(path: &str, memory: &Arc<MemoryBudget>) -> (usize, Arc<MemoryBudget>) {
     match calls::is_of_health(path) {
-        true => (MAX_OF_HEALTH, Memory::new(0)),
+        true => (MAX_OF_HEALTH, MemoryBudget::new(0)),
         false => (MAX_MESSAGE, memory.clone()),
     }
 }

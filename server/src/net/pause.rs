@@ -14,9 +14,9 @@ use tokio::time::{Instant, Sleep, sleep_until};
 
 /// The pause of a connection.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pause(Arc<Mutex<Option<Instant>>>);
+pub(super) struct ReadPause(Arc<Mutex<Option<Instant>>>);
 
-impl Pause {
+impl ReadPause {
     fn set(&self, until: Option<Instant>) -> Option<Instant> {
         std::mem::replace(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner), until)
     }
@@ -43,13 +43,13 @@ impl Pause {
 /// A stream that is not read while it has a pause.
 pub(super) struct Paused<S> {
     stream: S,
-    pause: Pause,
+    pause: ReadPause,
     /// Made at the first pause.
     timer: Option<Pin<Box<Sleep>>>,
 }
 
 impl<S> Paused<S> {
-    pub(super) fn new(stream: S, pause: Pause) -> Self {
+    pub(super) fn new(stream: S, pause: ReadPause) -> Self {
         Self { stream, pause, timer: None }
     }
 }
@@ -105,7 +105,7 @@ mod tests {
     async fn nothing_is_read_during_a_pause_and_what_came_meanwhile_afterwards() {
         const SHORT: Duration = Duration::from_millis(60);
         let (mut client, server) = tokio::io::duplex(64);
-        let pause = Pause::default();
+        let pause = ReadPause::default();
         let mut server = Paused::new(server, pause.clone());
         client.write_all(b"abc").await.unwrap();
         assert_eq!(server.read_u8().await.unwrap(), b'a');
@@ -124,7 +124,7 @@ mod tests {
     #[tokio::test]
     async fn a_pause_also_stops_a_read_under_way() {
         let (mut client, server) = tokio::io::duplex(64);
-        let pause = Pause::default();
+        let pause = ReadPause::default();
         let mut server = Paused::new(server, pause.clone());
         let mut read = Box::pin(server.read_u8());
         assert!(is_pending_now(&mut read).await);

@@ -13,7 +13,7 @@ use tonic::body::Body;
 
 use super::Peer;
 use crate::access::{Admitted, Caller, LONGEST};
-use crate::connections::Call;
+use crate::connections::ActiveCall;
 use crate::reason::Refusal;
 
 /// Lets a call pass with its caller when it is its turn, or answers it. A caller that calls so often that its calls
@@ -22,7 +22,7 @@ use crate::reason::Refusal;
 pub(super) async fn admitted(
     request: &mut Request<Incoming>,
     peer: &Peer,
-    call: &Call,
+    call: &ActiveCall,
     deadline: Option<Instant>,
 ) -> Result<Option<Caller>, Response<Body>> {
     let (caller, refusal) = match peer.gate.admit(request, &peer.names) {

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use counterpoint_kernel::options::Limits;
+use counterpoint_kernel::options::JobLimits;
 use serde::{Deserialize, Serialize};
 
 use super::any_path;
 
-const MOST: Limits = Limits::MOST;
+const MOST: JobLimits = JobLimits::MOST;
 
 /// A group: options with defaults, and flags that are laid over them.
 macro_rules! group {
@@ -194,8 +194,8 @@ group! {
 
 impl Maxima {
     /// Limits, none beyond the maxima of this server.
-    pub(crate) fn capped(&self, limits: &Limits) -> Limits {
-        Limits {
+    pub(crate) fn capped(&self, limits: &JobLimits) -> JobLimits {
+        JobLimits {
             simulated_ns: limits.simulated_ns.min(self.max_simulated_ns),
             blocks: limits.blocks.min(self.max_blocks),
             zero_time_blocks: limits.zero_time_blocks.min(self.max_zero_time_blocks),

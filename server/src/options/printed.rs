@@ -6,7 +6,7 @@
 use clap::Args as _;
 use toml_edit::{DocumentMut, Item};
 
-use super::{Flags, Options};
+use super::{ServerFlags, ServerOptions};
 
 /// Columns of a comment.
 const WIDTH: usize = 100;
@@ -23,13 +23,13 @@ const TABLES: [(&str, &str); 2] = [
     ),
 ];
 
-impl Options {
+impl ServerOptions {
     /// The options as a configuration file that explains them.
     #[must_use]
     pub fn to_commented_toml(&self) -> String {
         let plain = self.to_toml();
         let Ok(mut document) = plain.parse::<DocumentMut>() else { return plain };
-        let flags = Flags::augment_args(clap::Command::new("counterpointd"));
+        let flags = ServerFlags::augment_args(clap::Command::new("counterpointd"));
         // A line `[webhooks]` would make options that are appended to the file part of the table.
         let empty = |name: &&str| document.get(name).and_then(Item::as_table).is_some_and(toml_edit::Table::is_empty);
         let empty: Vec<&str> = TABLES.map(|(name, _)| name).into_iter().filter(empty).collect();
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn every_option_has_a_comment_and_reads_back_the_same() {
-        let mut options = Options { queue: 7, ..Options::default() };
+        let mut options = ServerOptions { queue: 7, ..ServerOptions::default() };
         options.guard.grpc_web_origins = "a\nqueue = 3\n".to_owned();
         options.tables.tenants.insert("cell".to_owned(), Tenant { queued: Some(9), ..Tenant::default() });
         let hook = Webhook {
@@ -92,12 +92,12 @@ mod tests {
         };
         options.tables.webhooks.insert("mes".to_owned(), hook);
         let text = options.to_commented_toml();
-        assert_eq!(Options::parse(&text).unwrap(), options, "{text}");
+        assert_eq!(ServerOptions::parse(&text).unwrap(), options, "{text}");
         assert!(text.starts_with("# Address to listen on; port 0 = any free port\nlisten = "), "{text}");
 
-        let text = Options::default().to_commented_toml();
+        let text = ServerOptions::default().to_commented_toml();
         let lines: Vec<&str> = text.lines().collect();
-        let options: toml::Table = Options::default().to_toml().parse().unwrap();
+        let options: toml::Table = ServerOptions::default().to_toml().parse().unwrap();
         for name in options.keys() {
             let begins = |line: &&str| line.starts_with(&format!("{name} = ")) || **line == format!("# [{name}.NAME]");
             let at = lines.iter().position(begins).unwrap_or_else(|| panic!("{name}: {text}"));
@@ -106,7 +106,7 @@ mod tests {
         assert!(lines.iter().all(|line| line.len() <= WIDTH), "{text}");
         // Options and tables may be appended.
         let more = format!("{text}[tenants.cell]\nqueued = 9\n");
-        assert_eq!(Options::parse(&more).unwrap().tables.tenants["cell"].queued, Some(9));
+        assert_eq!(ServerOptions::parse(&more).unwrap().tables.tenants["cell"].queued, Some(9));
         assert!(text.contains("\n# Format of the log on standard error: text or json\nlog_format"), "{text}");
     }
 }

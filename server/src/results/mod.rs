@@ -7,19 +7,19 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
-use counterpoint_kernel::job::{Outcome, WrittenFiles};
-use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
+use counterpoint_kernel::job::{RunEnd, WrittenFiles};
+use counterpoint_kernel::log::builder::{JobResults, ResultsBuilder};
 use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::{jsonl, listing, summary};
 use serde::Serialize;
 
-use crate::log::kept::Kept;
-use crate::log::reader::{Events, Gone, Reader};
+use crate::log::kept::StoredLog;
+use crate::log::reader::{Events, Gone, LogReader};
 
 /// A result that has a file of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Document {
+pub(crate) enum StoredResult {
     Summary,
     TimelineJson,
     TimelineSvg,
@@ -28,7 +28,7 @@ pub(crate) enum Document {
     Files,
 }
 
-impl Document {
+impl StoredResult {
     /// All of them.
     pub(crate) const ALL: [Self; 6] =
         [Self::Summary, Self::TimelineJson, Self::TimelineSvg, Self::ToolpathJson, Self::ToolpathSvg, Self::Files];
@@ -48,7 +48,7 @@ impl Document {
 
 /// Forms of a listing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum ListingForm {
     /// Blocks, trace, diagnostics, summaries.
     Listing,
     /// Diagnostics and summaries.
@@ -59,7 +59,7 @@ pub(crate) enum Form {
 
 /// Finished results, not yet text.
 pub(crate) struct Finished {
-    pub(crate) results: Results,
+    pub(crate) results: JobResults,
     /// The files of macros; they are not in the log.
     pub(crate) files: WrittenFiles,
     /// Bytes of all documents, as far as known.
@@ -77,26 +77,30 @@ impl std::fmt::Debug for Finished {
 impl Finished {
     /// Results of a run. A `limit` of the server that stopped the run (empty = none) is a verdict that the log does not
     /// have, because it is not caused by the program.
-    pub(crate) fn new(mut results: Results, files: WrittenFiles, limit: &str) -> Self {
+    pub(crate) fn new(mut results: JobResults, files: WrittenFiles, limit: &str) -> Self {
         if !limit.is_empty() {
             let at_ns = results.summary.makespan_ns;
-            let verdict =
-                summary::Verdict { kind: VerdictKind::Limit, at_ns, text: limit.to_owned(), members: Vec::new() };
-            results.summary.state = summary::State::Failed;
+            let verdict = summary::VerdictSummary {
+                kind: VerdictKind::Limit,
+                at_ns,
+                text: limit.to_owned(),
+                members: Vec::new(),
+            };
+            results.summary.state = summary::JobOutcome::Failed;
             results.summary.verdict.get_or_insert(verdict);
         }
         Self { results, files, bytes: 0, log: None }
     }
 
     /// A document as text; `None` when it cannot be written as such.
-    pub(crate) fn document(&self, document: Document) -> Option<Vec<u8>> {
+    pub(crate) fn document(&self, document: StoredResult) -> Option<Vec<u8>> {
         match document {
-            Document::Summary => pretty(&self.results.summary),
-            Document::TimelineJson => json(&self.results.timeline),
-            Document::TimelineSvg => Some(self.results.timeline.svg().into_bytes()),
-            Document::ToolpathJson => json(&self.results.toolpath),
-            Document::ToolpathSvg => Some(self.results.toolpath.svg().into_bytes()),
-            Document::Files => json(&self.files),
+            StoredResult::Summary => pretty(&self.results.summary),
+            StoredResult::TimelineJson => json(&self.results.timeline),
+            StoredResult::TimelineSvg => Some(self.results.timeline.svg().into_bytes()),
+            StoredResult::ToolpathJson => json(&self.results.toolpath),
+            StoredResult::ToolpathSvg => Some(self.results.toolpath.svg().into_bytes()),
+            StoredResult::Files => json(&self.files),
         }
     }
 }
@@ -115,19 +119,19 @@ fn json(value: &impl Serialize) -> Option<Vec<u8>> {
 }
 
 /// An ended job to make results of.
-pub(crate) struct Source<'a> {
+pub(crate) struct ResultSource<'a> {
     pub(crate) info: &'a Arc<Info>,
-    pub(crate) outcome: Outcome,
-    pub(crate) log: &'a Kept,
+    pub(crate) outcome: RunEnd,
+    pub(crate) log: &'a StoredLog,
     /// Limit of the server that stopped the run; empty = none.
     pub(crate) limit: &'a str,
     /// Making the result stops soon after the client has disconnected.
     pub(crate) gone: Gone,
 }
 
-impl Source<'_> {
+impl ResultSource<'_> {
     fn events(&self) -> io::Result<Events> {
-        Ok(Events::new(Reader::open_ended(self.log, 0)?, self.outcome.events).until(self.gone.clone()))
+        Ok(Events::new(LogReader::open_ended(self.log, 0)?, self.outcome.events).until(self.gone.clone()))
     }
 
     /// Makes results from the log.
@@ -142,19 +146,25 @@ impl Source<'_> {
     }
 
     /// One document made from the log.
-    pub(crate) fn document(&self, document: Document) -> io::Result<Vec<u8>> {
+    pub(crate) fn document(&self, document: StoredResult) -> io::Result<Vec<u8>> {
         Ok(self.fold()?.document(document).unwrap_or_default())
     }
 
     /// Listing of one channel in one of its forms; of all channels for 0.
-    pub(crate) fn listing(&self, finished: &Finished, channel: u16, form: Form, out: &mut dyn Write) -> io::Result<()> {
+    pub(crate) fn listing(
+        &self,
+        finished: &Finished,
+        channel: u16,
+        form: ListingForm,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
         let mut events = self.events()?;
         let (info, summary) = (self.info, &finished.results.summary);
         match form {
-            Form::Console => listing::render_console(info, channel, &mut events, out)?,
-            Form::Log => listing::render_log(info, channel, summary, &mut events, out)?,
-            Form::Listing if channel == 0 => listing::render_merged(info, summary, &mut events, out)?,
-            Form::Listing => listing::render(info, channel, summary, &mut events, out)?,
+            ListingForm::Console => listing::render_console(info, channel, &mut events, out)?,
+            ListingForm::Log => listing::render_log(info, channel, summary, &mut events, out)?,
+            ListingForm::Listing if channel == 0 => listing::render_merged(info, summary, &mut events, out)?,
+            ListingForm::Listing => listing::render(info, channel, summary, &mut events, out)?,
         }
         events.error().map_or(Ok(()), Err)
     }

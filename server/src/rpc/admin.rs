@@ -1,4 +1,4 @@
-//! Service `Admin`: the activity of the server, and commands for its maintenance.
+//! Service `AdminService`: the activity of the server, and commands for its maintenance.
 //!
 //! *Invariant:* only callers of the role `admin` get here (the table of calls); nothing that a job contains is shown.
 
@@ -10,9 +10,9 @@ use prost::Message as _;
 use tonic::{Request, Response, Status};
 
 use super::door::enter;
-use super::{Admin, HEAD, PAGE, blocking};
-use crate::connections::Seen;
-use crate::jobs::live::Live;
+use super::{AdminService, HEAD, PAGE, blocking};
+use crate::connections::ConnectionStatus;
+use crate::jobs::live::LiveJob;
 use crate::reason::Refusal;
 
 fn count(value: usize) -> u32 {
@@ -20,7 +20,7 @@ fn count(value: usize) -> u32 {
 }
 
 /// An open connection.
-fn connection(seen: Seen) -> v1::ConnectionInfo {
+fn connection(seen: ConnectionStatus) -> v1::ConnectionInfo {
     v1::ConnectionInfo {
         number: seen.number,
         peer: seen.peer.to_string(),
@@ -51,7 +51,7 @@ fn connections_page(all: impl Iterator<Item = v1::ConnectionInfo>, size: usize) 
 }
 
 /// A running job.
-fn worker(live: &Live) -> v1::WorkerInfo {
+fn worker(live: &LiveJob) -> v1::WorkerInfo {
     let operator_wait = live.operator_wait();
     let record = live.record();
     let progress = live.run().map(|run| {
@@ -72,7 +72,7 @@ fn worker(live: &Live) -> v1::WorkerInfo {
 }
 
 #[tonic::async_trait]
-impl Service for Admin {
+impl Service for AdminService {
     async fn list_connections(
         &self,
         request: Request<v1::ListConnectionsRequest>,

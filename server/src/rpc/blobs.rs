@@ -1,4 +1,4 @@
-//! Service `Blobs`.
+//! Service `BlobsService`.
 
 use std::io::Read;
 use std::time::Duration;
@@ -11,15 +11,15 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::door::{chunk as within, enter};
-use super::stream::{CHUNK, Chunk, stream};
-use super::{Blobs, blocking, look_up, to_the_end};
+use super::stream::{CHUNK, ChunkResponse, stream};
+use super::{BlobsService, blocking, look_up, to_the_end};
 use crate::access::Caller;
-use crate::blobs::{Receiver, digest};
+use crate::blobs::{BlobReceiver, digest};
 use crate::jobs::Core;
 use crate::jobs::growing::Growing;
 use crate::reason::Refusal;
 
-impl Chunk for v1::DownloadResponse {
+impl ChunkResponse for v1::DownloadResponse {
     fn chunk(data: Bytes) -> Self {
         Self { data }
     }
@@ -32,7 +32,7 @@ async fn next(chunks: &mut Streaming<v1::UploadRequest>, patience: u64) -> Resul
 }
 
 /// Starts receiving content with its first chunk, within the quotas of the tenant. May block.
-fn begin(core: &Core, tenant: &str, first: &v1::UploadRequest) -> Result<(Box<dyn Receiver>, Growing), Refusal> {
+fn begin(core: &Core, tenant: &str, first: &v1::UploadRequest) -> Result<(Box<dyn BlobReceiver>, Growing), Refusal> {
     let blobs = core.blobs.of(tenant);
     core.room()?;
     // A content that is there already takes nothing more of the quota; it cannot be larger than it is.
@@ -50,7 +50,7 @@ fn begin(core: &Core, tenant: &str, first: &v1::UploadRequest) -> Result<(Box<dy
 }
 
 #[tonic::async_trait]
-impl Service for Blobs {
+impl Service for BlobsService {
     async fn find_missing(
         &self,
         request: Request<v1::FindMissingRequest>,

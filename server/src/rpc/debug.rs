@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::operator::{Breakpoint, ChannelReport, Command, Report, Said, Spot, StepCalls, Whom};
+use counterpoint_kernel::operator::{
+    BreakLocation, Breakpoint, ChannelReport, StepCalls, StepCommand, StepReply, StepReport, Whom,
+};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::breakpoint::At;
 use counterpoint_proto::v1::debug_command::What;
@@ -21,7 +23,7 @@ use super::{door, first, job};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
-use crate::jobs::live::Live;
+use crate::jobs::live::LiveJob;
 use crate::jobs::operator::value;
 use crate::jobs::progress::wire;
 use crate::reason::Refusal;
@@ -69,10 +71,10 @@ fn message(content: Content) -> v1::DebugResponse {
 /// A client that steps.
 struct Debug {
     core: Arc<Core>,
-    live: Arc<Live>,
+    live: Arc<LiveJob>,
     send: mpsc::Sender<Result<v1::DebugResponse, Status>>,
     /// The answers of the run.
-    said: mpsc::UnboundedReceiver<Said>,
+    said: mpsc::UnboundedReceiver<StepReply>,
     /// Commands without an answer.
     under_way: usize,
     /// The first stop, which answers no command of this client, has been received.
@@ -102,21 +104,22 @@ impl Debug {
             }
             let next = tokio::select! {
                 biased;
-                Some(said) = self.said.recv() => Next::Said(Box::new(said)),
+                Some(said) = self.said.recv() => DebugInput::Said(Box::new(said)),
                 changed = state.changed() => if changed.is_err() { return Ok(()) } else { continue },
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }),
                 () = self.send.closed() => return Ok(()),
-                next = told.message(), if !detached && !leaves && self.under_way < UNDER_WAY => Next::Told(next),
+                next = told.message(), if !detached && !leaves && self.under_way < UNDER_WAY => DebugInput::Told(next),
             };
             match next {
-                Next::Said(said) => {
-                    let welcome = matches!(*said, Said::Stopped(_)) && !std::mem::replace(&mut self.welcomed, true);
+                DebugInput::Said(said) => {
+                    let welcome =
+                        matches!(*said, StepReply::Stopped(_)) && !std::mem::replace(&mut self.welcomed, true);
                     self.under_way = self.under_way.saturating_sub(usize::from(!welcome));
                     if self.send.send(Ok(message(answer(*said)))).await.is_err() {
                         return Ok(());
                     }
                 }
-                Next::Told(told) => {
+                DebugInput::Told(told) => {
                     let told = told.map_err(|status| Refusal::of_transport(&status))?;
                     let command = match told.and_then(|told| told.content) {
                         None => {
@@ -128,7 +131,7 @@ impl Debug {
                         }
                         Some(Told::Command(of)) => command(of)?,
                     };
-                    detached = command == Command::Detach;
+                    detached = command == StepCommand::Detach;
                     self.under_way += 1;
                     self.live.stepping().command(command);
                 }
@@ -138,9 +141,9 @@ impl Debug {
 }
 
 /// The next item.
-enum Next {
+enum DebugInput {
     /// From the run.
-    Said(Box<Said>),
+    Said(Box<StepReply>),
     /// From the client.
     Told(Result<Option<v1::DebugRequest>, Status>),
 }
@@ -149,7 +152,7 @@ fn channel(field: &str, number: u32) -> Result<u16, Refusal> {
     small(&format!("command.{field}"), u64::from(number), 0, 9999)
 }
 
-fn command(command: v1::DebugCommand) -> Result<Command, Refusal> {
+fn command(command: v1::DebugCommand) -> Result<StepCommand, Refusal> {
     Ok(match command.what.ok_or_else(|| Refusal::field("command.what", "is missing"))? {
         What::Step(v1::DebugStep { all, channel: number, blocks, calls }) => {
             let whom = match (all, number) {
@@ -164,22 +167,22 @@ fn command(command: v1::DebugCommand) -> Result<Command, Refusal> {
                 Ok(v1::StepCalls::Out) => StepCalls::Out,
                 Err(_) => return Err(Refusal::field("command.step.calls", "is not a value of StepCalls")),
             };
-            Command::Step { whom, blocks, calls }
+            StepCommand::Step { whom, blocks, calls }
         }
         What::Action(action) => match v1::DebugAction::try_from(action) {
-            Ok(v1::DebugAction::Continue) => Command::Continue,
-            Ok(v1::DebugAction::Pause) => Command::Pause,
-            Ok(v1::DebugAction::Show) => Command::Show,
-            Ok(v1::DebugAction::Detach) => Command::Detach,
+            Ok(v1::DebugAction::Continue) => StepCommand::Continue,
+            Ok(v1::DebugAction::Pause) => StepCommand::Pause,
+            Ok(v1::DebugAction::Show) => StepCommand::Show,
+            Ok(v1::DebugAction::Detach) => StepCommand::Detach,
             Ok(v1::DebugAction::Unspecified) | Err(_) => {
                 return Err(Refusal::field("command.action", "is not a value of DebugAction"));
             }
         },
-        What::Add(breakpoint) => Command::Add(added(breakpoint)?),
-        What::Remove(id) => Command::Remove(id),
-        What::Hold(number) => Command::Hold(channel("hold", number)?),
-        What::Resume(number) => Command::Resume(channel("resume", number)?),
-        What::Reset(number) => Command::Reset(channel("reset", number)?),
+        What::Add(breakpoint) => StepCommand::Add(added(breakpoint)?),
+        What::Remove(id) => StepCommand::Remove(id),
+        What::Hold(number) => StepCommand::Hold(channel("hold", number)?),
+        What::Resume(number) => StepCommand::Resume(channel("resume", number)?),
+        What::Reset(number) => StepCommand::Reset(channel("reset", number)?),
     })
 }
 
@@ -187,36 +190,36 @@ fn added(breakpoint: v1::Breakpoint) -> Result<Breakpoint, Refusal> {
     let v1::Breakpoint { at, count, once, .. } = breakpoint;
     let short = |field: &str, text: String| door::place(&format!("command.add.{field}"), &text, TEXT).map(|()| text);
     let spot = match at.ok_or_else(|| Refusal::field("command.add.at", "is missing"))? {
-        At::Wait(key) => Spot::Wait(short("wait", key)?),
-        At::Write(name) => Spot::Write(short("write", name)?),
-        At::Line(v1::BreakLine { file, line }) => Spot::Line { file: short("line.file", file)?, line },
-        At::TNs(ns) => Spot::Time(ns),
+        At::Wait(key) => BreakLocation::Wait(short("wait", key)?),
+        At::Write(name) => BreakLocation::Write(short("write", name)?),
+        At::Line(v1::BreakLine { file, line }) => BreakLocation::Line { file: short("line.file", file)?, line },
+        At::TNs(ns) => BreakLocation::Time(ns),
     };
     Ok(Breakpoint { id: 0, spot, count, once })
 }
 
-fn answer(said: Said) -> Content {
+fn answer(said: StepReply) -> Content {
     match said {
-        Said::Stopped(report) => Content::Stopped(state(report)),
-        Said::State(report) => Content::State(state(report)),
-        Said::Added(breakpoint) => Content::Added(shown(breakpoint)),
-        Said::Refused(text) => Content::Refused(text),
+        StepReply::Stopped(report) => Content::Stopped(state(report)),
+        StepReply::State(report) => Content::State(state(report)),
+        StepReply::Added(breakpoint) => Content::Added(shown(breakpoint)),
+        StepReply::Refused(text) => Content::Refused(text),
     }
 }
 
 fn shown(breakpoint: Breakpoint) -> v1::Breakpoint {
     let Breakpoint { id, spot, count, once } = breakpoint;
     let at = match spot {
-        Spot::Wait(key) => At::Wait(key),
-        Spot::Write(name) => At::Write(name),
-        Spot::Line { file, line } => At::Line(v1::BreakLine { file, line }),
-        Spot::Time(ns) => At::TNs(ns),
+        BreakLocation::Wait(key) => At::Wait(key),
+        BreakLocation::Write(name) => At::Write(name),
+        BreakLocation::Line { file, line } => At::Line(v1::BreakLine { file, line }),
+        BreakLocation::Time(ns) => At::TNs(ns),
     };
     v1::Breakpoint { id, at: Some(at), count, once }
 }
 
-fn state(report: Report) -> v1::DebugState {
-    let Report { reason, channel, channels, variables, breakpoints } = report;
+fn state(report: StepReport) -> v1::DebugState {
+    let StepReport { reason, channel, channels, variables, breakpoints } = report;
     v1::DebugState {
         reason,
         channel: u32::from(channel),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bytes::Bytes;
-use counterpoint_kernel::job::Program;
+use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::machine::signs;
 
 use crate::jobs::Core;
@@ -21,9 +21,9 @@ const CHUNK: usize = 64 << 10;
 
 /// A search in progress. When it is dropped, the search stops.
 #[derive(Default)]
-pub(super) struct Search(Arc<AtomicBool>);
+pub(super) struct GuessSearch(Arc<AtomicBool>);
 
-impl Search {
+impl GuessSearch {
     /// A check whether the search must stop.
     pub(super) fn stop(&self) -> impl Fn() -> bool + Send + use<> {
         let gone = self.0.clone();
@@ -31,7 +31,7 @@ impl Search {
     }
 }
 
-impl Drop for Search {
+impl Drop for GuessSearch {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -41,7 +41,7 @@ impl Drop for Search {
 pub(super) fn guessed(
     core: &Core,
     tenant: &str,
-    programs: &[Program],
+    programs: &[ProgramSelection],
     files: &[(String, String)],
     stop: &dyn Fn() -> bool,
 ) -> Result<(String, String), Refusal> {
@@ -59,7 +59,7 @@ pub(super) fn guessed(
             }
         };
         let part = program.number.is_some() || program.section.is_some();
-        looked_at.push(signs::Program { name: program.file.clone(), content, number: program.number, part });
+        looked_at.push(signs::ExaminedProgram { name: program.file.clone(), content, number: program.number, part });
     }
     let candidates = candidates(&core.blobs, &core.ledger.machines(tenant)?)?;
     match signs::guess(&candidates, &looked_at, None, stop) {

@@ -1,4 +1,4 @@
-//! Service `Jobs`.
+//! Service `JobsService`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,21 +13,21 @@ use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
 use super::door::{enter, page_token};
-use super::many::{self, Act, Choice};
+use super::many::{self, BulkAction, Choice};
 use super::submit::CheckedRequest;
-use super::{Jobs, job, look_up, submit, to_the_end, watch, watch_jobs};
+use super::{JobsService, job, look_up, submit, to_the_end, watch, watch_jobs};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
-use crate::jobs::filter::{Filter, States};
+use crate::jobs::filter::{JobConditions, States};
 use crate::jobs::operator_wait::status_now;
 use crate::jobs::progress;
 use crate::jobs::suspicion::LoneSuspect;
 use crate::jobs::worker_wait;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 use crate::ledger::{NewJob, PAGE_BYTES, Query};
-use crate::log::reader::Reader;
-use crate::memory::Taken;
+use crate::log::reader::LogReader;
+use crate::memory::MemoryReservation;
 use crate::reason::Refusal;
 use crate::trace;
 
@@ -37,7 +37,7 @@ const SUBMIT_COPIES: u64 = 6;
 const ANSWER_COPIES: u64 = 3;
 
 /// An answer whose memory is counted until it has been sent.
-fn counted<T>(answer: T, taken: Taken) -> Response<T> {
+fn counted<T>(answer: T, taken: MemoryReservation) -> Response<T> {
     let mut response = Response::new(answer);
     response.extensions_mut().insert(Arc::new(taken));
     response
@@ -48,8 +48,8 @@ async fn submitted(
     core: &Arc<Core>,
     caller: &Caller,
     job: Box<NewJob>,
-    taken: Taken,
-) -> Result<(Box<Record>, bool), Refusal> {
+    taken: MemoryReservation,
+) -> Result<(Box<JobRecord>, bool), Refusal> {
     let (core, noted) = (core.clone(), caller.clone());
     // The line names no job until the new job exists: the job that is run again does not change.
     caller.about_jobs(&[]);
@@ -64,7 +64,7 @@ async fn submitted(
 }
 
 /// The answer to a request that repeats an earlier one; notes the job for the audit log.
-fn known(caller: &Caller, record: Box<Record>) -> (Box<Record>, bool) {
+fn known(caller: &Caller, record: Box<JobRecord>) -> (Box<JobRecord>, bool) {
     caller.about(&record.id);
     (record, true)
 }
@@ -86,7 +86,7 @@ fn plain<T>(receive: mpsc::Receiver<T>) -> Response<ReceiverStream<T>> {
 }
 
 /// The status of a job, with the reason for its wait.
-fn status_with_waits(core: &Core, record: Record) -> v1::JobStatus {
+fn status_with_waits(core: &Core, record: JobRecord) -> v1::JobStatus {
     let mut status = status_now(core, record);
     if status.state() == v1::JobState::Queued {
         LoneSuspect::of(core).iter().for_each(|alone| alone.mark(&mut status));
@@ -96,7 +96,7 @@ fn status_with_waits(core: &Core, record: Record) -> v1::JobStatus {
 }
 
 #[tonic::async_trait]
-impl Service for Jobs {
+impl Service for JobsService {
     async fn submit_job(
         &self,
         request: Request<v1::SubmitJobRequest>,
@@ -128,11 +128,11 @@ impl Service for Jobs {
             let description = match core.live(&id).and_then(|live| live.run().map(|run| description(&run.info))) {
                 Some(description) => Some(description),
                 None => {
-                    let reader = core.kept_log(&id)?.and_then(|log| Reader::open(&log, 0).ok());
+                    let reader = core.kept_log(&id)?.and_then(|log| LogReader::open(&log, 0).ok());
                     reader.map(|reader| reader.description().clone())
                 }
             };
-            let progress = core.live(&id).filter(|live| live.state() == State::Running).map(|live| {
+            let progress = core.live(&id).filter(|live| live.state() == JobState::Running).map(|live| {
                 let position = live.tail().position().last_seq;
                 progress::now(&core, &live, position)
             });
@@ -158,7 +158,7 @@ impl Service for Jobs {
         let tenant = caller.tenant().to_owned();
         page_token(&request.page_token)?;
         let size = if request.page_size == 0 { 50 } else { request.page_size.min(500) as usize };
-        let mut filter = Filter::read(request.filter.unwrap_or_default())?;
+        let mut filter = JobConditions::read(request.filter.unwrap_or_default())?;
         match filter.states.both(States::read("states", &request.states)?)? {
             Some(states) => filter.states = states,
             None => return Ok(Response::new(v1::ListJobsResponse::default())),
@@ -196,7 +196,7 @@ impl Service for Jobs {
         let (caller, request) = enter(request)?;
         job(&self.0, &caller, &request.job_id)?;
         let span = tracing::info_span!("watch", job = request.job_id);
-        let watch = watch::Watch::new(self.0.clone(), request)?;
+        let watch = watch::JobWatcher::new(self.0.clone(), request)?;
         let (send, receive) = mpsc::channel(1);
         // Ends with the job, with the client, or with the drain.
         tokio::spawn(watch.run(send).instrument(span));
@@ -267,7 +267,7 @@ impl Service for Jobs {
         let (caller, request) = enter(request)?;
         let v1::CancelJobsRequest { filter, all, dry_run, page_size, page_token } = request;
         let choice = Choice { filter, all, dry_run, page_size, page_token };
-        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, Act::Cancel).await?;
+        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, BulkAction::Cancel).await?;
         Ok(Response::new(v1::CancelJobsResponse { job_ids, next_page_token }))
     }
 
@@ -278,7 +278,7 @@ impl Service for Jobs {
         let (caller, request) = enter(request)?;
         let v1::DeleteJobsRequest { filter, all, dry_run, page_size, page_token } = request;
         let choice = Choice { filter, all, dry_run, page_size, page_token };
-        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, Act::Delete).await?;
+        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, BulkAction::Delete).await?;
         Ok(Response::new(v1::DeleteJobsResponse { job_ids, next_page_token }))
     }
 
@@ -288,7 +288,7 @@ impl Service for Jobs {
         }
         let (caller, request) = enter(request)?;
         let earlier = job(&self.0, &caller, &request.job_id);
-        let bytes = SUBMIT_COPIES * earlier.as_ref().map_or(0, Record::bytes);
+        let bytes = SUBMIT_COPIES * earlier.as_ref().map_or(0, JobRecord::bytes);
         let taken = submit::memory(&self.0, caller.tenant(), &request.request_id, bytes).await?;
         let (record, duplicate) = match submit::check_rerun(&self.0, &caller, earlier, request).await? {
             CheckedRequest::New(job) => {
@@ -308,7 +308,7 @@ impl Service for Jobs {
         request: Request<v1::WatchJobsRequest>,
     ) -> Result<Response<Self::WatchJobsStream>, Status> {
         let (caller, request) = enter(request)?;
-        let watch = watch_jobs::WatchJobs::new(self.0.clone(), &caller, request)?;
+        let watch = watch_jobs::JobFeedWatcher::new(self.0.clone(), &caller, request)?;
         let (send, receive) = mpsc::channel(1);
         // Ends with the client or with the drain.
         tokio::spawn(watch.run(send).instrument(tracing::info_span!("watch jobs")));

@@ -1,4 +1,4 @@
-//! Service `Machines`.
+//! Service `MachinesService`.
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
@@ -9,11 +9,11 @@ use prost::Message as _;
 use tonic::{Request, Response, Status};
 
 use super::door::{enter, some_entries};
-use super::{Machines, look_up, page, submit, to_the_end};
+use super::{MachinesService, look_up, page, submit, to_the_end};
 use crate::access::Role;
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
-use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
+use crate::machines::{CheckedMachine, MachineRecord, is_name, is_shipped, shipped};
 use crate::net::MAX_MESSAGE;
 use crate::reason::Refusal;
 
@@ -27,7 +27,7 @@ fn fitting(answer: v1::GetMachineResponse, most: usize) -> Result<v1::GetMachine
 }
 
 #[tonic::async_trait]
-impl Service for Machines {
+impl Service for MachinesService {
     async fn put_machine(
         &self,
         request: Request<v1::PutMachineRequest>,
@@ -41,7 +41,7 @@ impl Service for Machines {
         let identity = caller.identity.key();
         let (definition, checked) = look_up(&self.0, &identity, move || {
             core.within_quotas(&tenant)?;
-            let definition = Definition { trusted, ..definition(&core, tenant, request.name, request.files)? };
+            let definition = MachineRecord { trusted, ..definition(&core, tenant, request.name, request.files)? };
             let checked = core.machines.load(&definition)?;
             match checked.machine {
                 Some(_) => Ok((definition, checked)),
@@ -51,7 +51,7 @@ impl Service for Machines {
         .await?;
         let machine = Some(summary(&definition, &checked));
         let blobs = self.0.blobs.of(caller.tenant());
-        let check = Box::new(move |definition: &Definition| blobs.require(&mut definition.files.values()));
+        let check = Box::new(move |definition: &MachineRecord| blobs.require(&mut definition.files.values()));
         let core = self.0.clone();
         to_the_end(&caller, async move { core.ledger.put_machine(definition, check).await }).await?;
         Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
@@ -92,9 +92,9 @@ impl Service for Machines {
             all.retain(|definition| !core.reserved(&definition.name));
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
             let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
-            all.extend(shipped.iter().map(|name| Definition::shipped(name)));
+            all.extend(shipped.iter().map(|name| MachineRecord::shipped(name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
-            let summary = |definition: &Definition| Ok(summary(definition, &core.machines.load(definition)?));
+            let summary = |definition: &MachineRecord| Ok(summary(definition, &core.machines.load(definition)?));
             let size = (request.page_size, 500);
             let (machines, next_page_token) = page(&all, size, &request.page_token, |d| d.name.as_str(), summary)?;
             Ok(v1::ListMachinesResponse { machines, next_page_token })
@@ -143,14 +143,19 @@ impl Service for Machines {
     }
 }
 
-fn definition(core: &Core, tenant: String, name: String, files: Vec<v1::MachineFile>) -> Result<Definition, Refusal> {
+fn definition(
+    core: &Core,
+    tenant: String,
+    name: String,
+    files: Vec<v1::MachineFile>,
+) -> Result<MachineRecord, Refusal> {
     if !is_name(&name) {
         return Err(Refusal::field("name", "must be 1 to 64 characters of A-Z a-z 0-9 . _ - and not begin with a dot"));
     }
     some_entries("files", files.len(), core.options.maxima.max_files, "max_files")?;
     core.blobs.of(&tenant).require(&mut files.iter().map(|file| &file.digest))?;
     let files = files.into_iter().map(|f| (f.path, f.digest)).collect();
-    Ok(Definition { name, files, tenant, trusted: false })
+    Ok(MachineRecord { name, files, tenant, trusted: false })
 }
 
 fn invalid(findings: &[Finding]) -> Refusal {
@@ -165,7 +170,7 @@ fn findings(findings: Vec<Finding>) -> Vec<v1::Finding> {
     findings.into_iter().map(|f| finding(f.into())).collect()
 }
 
-fn summary(definition: &Definition, checked: &Checked) -> v1::MachineSummary {
+fn summary(definition: &MachineRecord, checked: &CheckedMachine) -> v1::MachineSummary {
     let machine = checked.machine.as_deref();
     v1::MachineSummary {
         name: definition.name.clone(),

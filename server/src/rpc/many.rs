@@ -13,7 +13,7 @@ use super::door::page_token;
 use super::{look_up, to_the_end};
 use crate::access::Caller;
 use crate::jobs::Core;
-use crate::jobs::filter::{ENDED, Filter, OPEN};
+use crate::jobs::filter::{ENDED, JobConditions, OPEN};
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
@@ -33,12 +33,12 @@ pub(super) struct Choice {
 
 /// Action on each job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Act {
+pub(super) enum BulkAction {
     Cancel,
     Delete,
 }
 
-impl Act {
+impl BulkAction {
     /// Acts on one job. Returns `false` if the job has ended or was deleted since it was found.
     async fn on(self, core: &Arc<Core>, id: &str) -> Result<bool, Refusal> {
         let done = match self {
@@ -53,17 +53,17 @@ impl Act {
 }
 
 /// The filter of a choice, with the states in which the act is possible.
-fn filter(choice: &Choice, act: Act) -> Result<Filter, Refusal> {
+fn filter(choice: &Choice, act: BulkAction) -> Result<JobConditions, Refusal> {
     page_token(&choice.page_token)?;
-    let mut filter = Filter::read(choice.filter.clone().unwrap_or_default())?;
+    let mut filter = JobConditions::read(choice.filter.clone().unwrap_or_default())?;
     match (filter.is_empty(), choice.all) {
         (true, false) => return Err(Refusal::field("filter", "has no condition: give one, or set all")),
         (false, true) => return Err(Refusal::field("all", "must not be set with a condition in the filter")),
         _ => {}
     }
     let (states, wanted) = match act {
-        Act::Cancel => (&OPEN[..], "QUEUED, RUNNING or PAUSED, as only such jobs can be cancelled"),
-        Act::Delete => (&ENDED[..], "SUCCEEDED, FAILED or CANCELLED, as only ended jobs can be deleted"),
+        BulkAction::Cancel => (&OPEN[..], "QUEUED, RUNNING or PAUSED, as only such jobs can be cancelled"),
+        BulkAction::Delete => (&ENDED[..], "SUCCEEDED, FAILED or CANCELLED, as only ended jobs can be deleted"),
     };
     let among = filter.states.among(states);
     filter.states = among.ok_or_else(|| Refusal::field("filter.states", format!("must have {wanted}")))?;
@@ -75,7 +75,7 @@ pub(super) async fn each(
     core: &Arc<Core>,
     caller: &Caller,
     choice: Choice,
-    act: Act,
+    act: BulkAction,
 ) -> Result<(Vec<String>, String), Refusal> {
     let filter = filter(&choice, act)?;
     let size = if choice.page_size == 0 { MOST } else { (choice.page_size as usize).min(MOST) };
@@ -90,7 +90,7 @@ pub(super) async fn each(
         };
         let page = find.ledger.jobs(&query)?;
         let records = page.jobs.into_iter().map(|record| find.current(record));
-        let due = records.filter(|record| of.takes(record) && (act == Act::Delete || !record.cancel));
+        let due = records.filter(|record| of.takes(record) && (act == BulkAction::Delete || !record.cancel));
         Ok((due.map(|record| record.id).collect::<Vec<_>>(), page.next.unwrap_or_default()))
     })
     .await?;
@@ -108,7 +108,12 @@ pub(super) async fn each(
 
 /// Acts on jobs; returns the changed jobs, in their order, and the first failure. The changed jobs are noted for the
 /// audit log.
-async fn act_on(core: &Arc<Core>, caller: &Caller, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
+async fn act_on(
+    core: &Arc<Core>,
+    caller: &Caller,
+    ids: Vec<String>,
+    act: BulkAction,
+) -> (Vec<String>, Option<Refusal>) {
     let (mut done, mut failed) = (Vec::new(), None);
     for group in ids.chunks(TOGETHER) {
         caller.asks(group);

@@ -27,29 +27,29 @@ use tonic::{Status, Streaming};
 
 use to_the_end::to_the_end;
 
-use crate::Record;
+use crate::JobRecord;
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::reason::Refusal;
 
-/// Service `Jobs`.
+/// Service `JobsService`.
 #[derive(Debug)]
-pub(crate) struct Jobs(pub(crate) Arc<Core>);
-/// Service `Blobs`.
+pub(crate) struct JobsService(pub(crate) Arc<Core>);
+/// Service `BlobsService`.
 #[derive(Debug)]
-pub(crate) struct Blobs(pub(crate) Arc<Core>);
-/// Service `Machines`.
+pub(crate) struct BlobsService(pub(crate) Arc<Core>);
+/// Service `MachinesService`.
 #[derive(Debug)]
-pub(crate) struct Machines(pub(crate) Arc<Core>);
-/// Service `Operator`.
+pub(crate) struct MachinesService(pub(crate) Arc<Core>);
+/// Service `OperatorService`.
 #[derive(Debug)]
-pub(crate) struct Operator(pub(crate) Arc<Core>);
-/// Service `Results`.
+pub(crate) struct OperatorService(pub(crate) Arc<Core>);
+/// Service `ResultsService`.
 #[derive(Debug)]
-pub(crate) struct Results(pub(crate) Arc<Core>);
+pub(crate) struct ResultsService(pub(crate) Arc<Core>);
 
-/// Service `Admin`.
-pub(crate) struct Admin {
+/// Service `AdminService`.
+pub(crate) struct AdminService {
     pub(crate) core: Arc<Core>,
     /// Asks the server to drain.
     pub(crate) stop: Box<dyn Fn() + Send + Sync>,
@@ -61,7 +61,7 @@ const PAGE: usize = 3 << 20;
 const HEAD: usize = 6;
 
 /// A job of the caller's tenant.
-fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+fn job(core: &Core, caller: &Caller, id: &str) -> Result<JobRecord, Refusal> {
     caller.about(id);
     core.job_of(caller.tenant(), id)
 }

@@ -1,11 +1,11 @@
-//! Service `Operator`: clients that attend a job, with a stream of their own or without; `Debug` is in a separate file.
+//! Service `OperatorService`: clients that attend a job, with a stream of their own or without; `Debug` is in a separate file.
 //!
 //! Invariant: an answer is in the ledger before the kernel gets it, so a run that dies is run again with it.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use counterpoint_kernel::dialog::answers::Answer;
+use counterpoint_kernel::dialog::answers::DialogAnswer;
 use counterpoint_kernel::dialog::operator::Silence;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::attend_request::Content as Said;
@@ -17,12 +17,12 @@ use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, answers, door, first, job, submit, to_the_end};
-use crate::Record;
+use super::{OperatorService, answers, door, first, job, submit, to_the_end};
+use crate::JobRecord;
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
-use crate::jobs::live::Live;
+use crate::jobs::live::LiveJob;
 use crate::jobs::operator::Claimed;
 use crate::jobs::received;
 use crate::ledger::settled::Settled;
@@ -34,7 +34,7 @@ type Questions =
     tokio_stream::adapters::Map<ReceiverStream<Heard>, fn(Heard) -> Result<v1::WatchQuestionsResponse, Status>>;
 
 #[tonic::async_trait]
-impl Service for Operator {
+impl Service for OperatorService {
     type AttendStream = ReceiverStream<Heard>;
     type WatchQuestionsStream = Questions;
     type DebugStream = super::debug::Answers;
@@ -104,7 +104,7 @@ fn watched(message: v1::AttendResponse) -> v1::WatchQuestionsResponse {
 }
 
 /// A job of the caller's tenant that an operator attends.
-fn attended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+fn attended(core: &Core, caller: &Caller, id: &str) -> Result<JobRecord, Refusal> {
     let record = job(core, caller, id)?;
     if record.attended { Ok(record) } else { Err(Refusal::NotAttended(id.to_owned())) }
 }
@@ -134,13 +134,13 @@ type Given = (&'static str, v1::DialogAnswer);
 
 /// Answers a question, or declines it if there is no answer; false if the question is closed. If the dialog does not
 /// accept the answer, or the answer cannot be stored, the question stays open.
-async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Result<bool, Refusal> {
+async fn settle(core: &Core, live: &LiveJob, id: u64, given: Option<Given>) -> Result<bool, Refusal> {
     if let (Some((field, answer)), Some(question)) = (&given, live.desk().question(id)) {
         answers::check(field, &question, answer)?;
     }
     let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
     let field = given.as_ref().map_or("", |(field, _)| field);
-    let answer = given.map(|(_, answer)| Answer { dialog, ..submit::answer(answer) }).ok_or(Silence::Declined);
+    let answer = given.map(|(_, answer)| DialogAnswer { dialog, ..submit::answer(answer) }).ok_or(Silence::Declined);
     let counted = answer.as_ref().map_or(Ok(0), |answer| {
         let tenant = live.peek(|record| record.tenant.clone());
         received::receive(core, &mut live.desk().received(), (&tenant, live.most_bytes()), (field, answer))
@@ -158,7 +158,7 @@ async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Resu
 /// A client that attends.
 struct Attend {
     core: Arc<Core>,
-    live: Arc<Live>,
+    live: Arc<LiveJob>,
     /// Questions it knows as open.
     shown: BTreeSet<u64>,
     send: mpsc::Sender<Heard>,

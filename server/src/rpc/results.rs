@@ -1,13 +1,13 @@
-//! Service `Results`: stored results from their files, others made from the log.
+//! Service `ResultsService`: stored results from their files, others made from the log.
 
 use std::io::{self, Cursor, Read, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
-use counterpoint_kernel::control::Stop;
+use counterpoint_kernel::control::StopSignal;
 use counterpoint_kernel::event::Text;
-use counterpoint_kernel::files::Files as _;
-use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::files::JobFiles as _;
+use counterpoint_kernel::job::RunEnd;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing::Crlf;
 use counterpoint_proto::v1;
@@ -16,22 +16,22 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use super::door::enter;
-use super::stream::{Chunk, making, stream};
-use super::{Results, job, page};
-use crate::Record;
+use super::stream::{ChunkResponse, making, stream};
+use super::{ResultsService, job, page};
+use crate::JobRecord;
 use crate::access::Caller;
 use crate::jobs::turns::OwnTurn;
-use crate::jobs::{Core, Sandbox, worker};
-use crate::ledger::record::State;
+use crate::jobs::{Core, JobSandbox, worker};
+use crate::ledger::record::JobState;
 use crate::log::damage::gone;
-use crate::log::kept::Kept;
+use crate::log::kept::StoredLog;
 use crate::log::reader::Gone;
 use crate::reason::Refusal;
-use crate::results::{Document, Form, Source};
+use crate::results::{ListingForm, ResultSource, StoredResult};
 
 macro_rules! chunks {
     ($($type:ident),*) => { $(
-        impl Chunk for v1::$type {
+        impl ChunkResponse for v1::$type {
             fn chunk(data: Bytes) -> Self {
                 Self { data }
             }
@@ -52,17 +52,17 @@ chunks!(
 type Answer<T> = Result<Response<ReceiverStream<Result<T, Status>>>, Status>;
 
 #[tonic::async_trait]
-impl Service for Results {
+impl Service for ResultsService {
     type GetListingStream = ReceiverStream<Result<v1::GetListingResponse, Status>>;
 
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
         let (caller, request) = enter(request)?;
-        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
+        let (ended, turn) = LoggedJob::load(&self.0, &caller, request.job_id).await?;
         let channel = if request.channel == 0 && !request.log { 0 } else { ended.channel(request.channel)? };
         let form = match request {
-            v1::GetListingRequest { console: true, .. } => Form::Console,
-            v1::GetListingRequest { log: true, .. } => Form::Log,
-            _ => Form::Listing,
+            v1::GetListingRequest { console: true, .. } => ListingForm::Console,
+            v1::GetListingRequest { log: true, .. } => ListingForm::Log,
+            _ => ListingForm::Listing,
         };
         Ok(stream(turn, move |out, gone| match request.crlf {
             true => ended.listing((channel, form), &mut Crlf(out), gone),
@@ -74,7 +74,7 @@ impl Service for Results {
 
     async fn get_trace(&self, request: Request<v1::GetTraceRequest>) -> Answer<v1::GetTraceResponse> {
         let (caller, request) = enter(request)?;
-        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
+        let (ended, turn) = LoggedJob::load(&self.0, &caller, request.job_id).await?;
         let channel = ended.channel(request.channel)?;
         Ok(stream(turn, move |out, gone| Ok(ended.source(gone).trace(channel, out)?)))
     }
@@ -84,8 +84,8 @@ impl Service for Results {
     async fn get_timeline(&self, request: Request<v1::GetTimelineRequest>) -> Answer<v1::GetTimelineResponse> {
         let (caller, request) = enter(request)?;
         let document = match format(request.format)? {
-            v1::DrawingFormat::Json => Document::TimelineJson,
-            _ => Document::TimelineSvg,
+            v1::DrawingFormat::Json => StoredResult::TimelineJson,
+            _ => StoredResult::TimelineSvg,
         };
         document_of(&self.0, &caller, request.job_id, document).await
     }
@@ -98,8 +98,8 @@ impl Service for Results {
             return Err(Refusal::NoResults(request.job_id).into());
         }
         let document = match format(request.format)? {
-            v1::DrawingFormat::Json => Document::ToolpathJson,
-            _ => Document::ToolpathSvg,
+            v1::DrawingFormat::Json => StoredResult::ToolpathJson,
+            _ => StoredResult::ToolpathSvg,
         };
         document_of(&self.0, &caller, request.job_id, document).await
     }
@@ -108,14 +108,14 @@ impl Service for Results {
 
     async fn get_summary(&self, request: Request<v1::GetSummaryRequest>) -> Answer<v1::GetSummaryResponse> {
         let (caller, request) = enter(request)?;
-        document_of(&self.0, &caller, request.job_id, Document::Summary).await
+        document_of(&self.0, &caller, request.job_id, StoredResult::Summary).await
     }
 
     type GetEventsStream = ReceiverStream<Result<v1::GetEventsResponse, Status>>;
 
     async fn get_events(&self, request: Request<v1::GetEventsRequest>) -> Answer<v1::GetEventsResponse> {
         let (caller, request) = enter(request)?;
-        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
+        let (ended, turn) = LoggedJob::load(&self.0, &caller, request.job_id).await?;
         Ok(stream(turn, move |out, gone| Ok(ended.source(gone).jsonl(out)?)))
     }
 
@@ -159,7 +159,7 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Vec<(
     let (core, caller) = (core.clone(), caller.clone());
     making(turn, move |_| {
         let record = ended(&core, &caller, &id)?;
-        let kept = match core.logs.open(&record.id, Document::Files.file()) {
+        let kept = match core.logs.open(&record.id, StoredResult::Files.file()) {
             Err(error) if error.kind() == io::ErrorKind::InvalidData => return Err(lost_files(&id)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             other => {
@@ -168,7 +168,7 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Vec<(
                 Some(text)
             }
         };
-        let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
+        let live = || core.live(&id).and_then(|live| live.finished()?.document(StoredResult::Files));
         let text = match kept.or_else(live) {
             Some(text) => text,
             None if record.runs.has_files => {
@@ -189,38 +189,43 @@ fn lost_files(id: &str) -> Refusal {
 }
 
 /// A stored result, or a job from whose log the result is made.
-enum Found {
+enum ResultLookup {
     Kept(Box<dyn Read + Send>),
-    Job(Box<Ended>),
+    Job(Box<LoggedJob>),
 }
 
-async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, document: Document) -> Answer<T> {
+async fn document_of<T: ChunkResponse>(
+    core: &Arc<Core>,
+    caller: &Caller,
+    id: String,
+    document: StoredResult,
+) -> Answer<T> {
     let turn = core.streams.renders.turn(caller.tenant()).await;
     let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
     let find = move |_: &Gone| {
         let record = ended(&core, &caller, &id)?;
         if let Ok(file) = core.logs.open(&record.id, document.file()) {
-            return Ok(Found::Kept(file));
+            return Ok(ResultLookup::Kept(file));
         }
         let live = core.live(&id).and_then(|live| live.finished()?.document(document));
         match live {
-            Some(text) => Ok(Found::Kept(Box::new(Cursor::new(text)))),
-            None => Ended::of(core, record).map(Box::new).map(Found::Job),
+            Some(text) => Ok(ResultLookup::Kept(Box::new(Cursor::new(text)))),
+            None => LoggedJob::of(core, record).map(Box::new).map(ResultLookup::Job),
         }
     };
     let found = making(turn, find).await.map_err(|refusal| refusal.of_job(&job))?;
     let (ended, turn) = match found {
-        (Found::Kept(mut kept), turn) => {
+        (ResultLookup::Kept(mut kept), turn) => {
             return Ok(stream(turn, move |out, _| Ok(io::copy(&mut kept, out).map(drop)?)));
         }
-        (Found::Job(ended), turn) => (ended, turn),
+        (ResultLookup::Job(ended), turn) => (ended, turn),
     };
     let (text, turn) = making(turn, move |gone| Ok(ended.source(gone).document(document)?)).await?;
     Ok(stream(turn, move |out, _| Ok(out.write_all(&text)?)))
 }
 
 /// A job that has ended with results. All other data in its folder is from a run that did not reach its end.
-fn ended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+fn ended(core: &Core, caller: &Caller, id: &str) -> Result<JobRecord, Refusal> {
     let record = job(core, caller, id)?;
     if !record.state.ended() {
         return Err(Refusal::JobNotEnded(id.to_owned()));
@@ -229,14 +234,14 @@ fn ended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
 }
 
 /// An ended job with its description and sources.
-struct Ended {
+struct LoggedJob {
     core: Arc<Core>,
-    record: Record,
+    record: JobRecord,
     info: Arc<Info>,
-    log: Kept,
+    log: StoredLog,
 }
 
-impl Ended {
+impl LoggedJob {
     /// Loads a job when it is the tenant's turn to make results.
     async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Self, OwnTurn), Refusal> {
         let turn = core.streams.renders.turn(caller.tenant()).await;
@@ -249,17 +254,17 @@ impl Ended {
     }
 
     /// A job that has ended with results.
-    fn of(core: Arc<Core>, record: Record) -> Result<Self, Refusal> {
+    fn of(core: Arc<Core>, record: JobRecord) -> Result<Self, Refusal> {
         let id = &record.id;
         let Some(log) = core.kept_log(id)? else {
             let lost = record.events > 0 && core.options.embedded.log;
             return Err(if lost { gone(id).into() } else { Refusal::NoResults(id.clone()) });
         };
         let mut work = core.work(id)?;
-        let sandbox = Sandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
+        let sandbox = JobSandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
         let info = match core.live(id).and_then(|live| live.run().map(|run| run.info.clone())) {
             Some(info) => info,
-            None => match worker::prepare(&core, &record, work, &sandbox, &Stop::default())? {
+            None => match worker::prepare(&core, &record, work, &sandbox, &StopSignal::default())? {
                 Ok(prepared) => prepared.info().clone(),
                 Err(_) => {
                     sandbox.trouble()?;
@@ -271,11 +276,11 @@ impl Ended {
         Ok(Self { core, record, info, log })
     }
 
-    fn source(&self, gone: &Gone) -> Source<'_> {
+    fn source(&self, gone: &Gone) -> ResultSource<'_> {
         let limit = self.record.runs.limit.as_str();
-        let cancelled = self.record.state == State::Cancelled || !limit.is_empty();
-        let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
-        Source { info: &self.info, outcome, log: &self.log, limit, gone: gone.clone() }
+        let cancelled = self.record.state == JobState::Cancelled || !limit.is_empty();
+        let outcome = RunEnd { events: self.record.events, cancelled, sink_failed: false };
+        ResultSource { info: &self.info, outcome, log: &self.log, limit, gone: gone.clone() }
     }
 
     fn channel(&self, number: u32) -> Result<u16, Refusal> {
@@ -283,7 +288,7 @@ impl Ended {
         channel.ok_or(Refusal::UnknownChannel(number))
     }
 
-    fn listing(&self, (channel, form): (u16, Form), out: &mut dyn Write, gone: &Gone) -> Result<(), Refusal> {
+    fn listing(&self, (channel, form): (u16, ListingForm), out: &mut dyn Write, gone: &Gone) -> Result<(), Refusal> {
         let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
         let finished = match known {
             Some(finished) => finished,
@@ -294,7 +299,7 @@ impl Ended {
 }
 
 /// Loads the texts that results quote and that the run did not load.
-fn load_texts(info: &Info, files: &Sandbox) {
+fn load_texts(info: &Info, files: &JobSandbox) {
     for file in &info.files {
         let load = || files.read(&file.name).ok().map(|bytes| Arc::new(Text::new(bytes, || false)));
         file.text.get_or_init(load);

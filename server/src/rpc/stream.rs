@@ -22,12 +22,12 @@ use crate::reason::Refusal;
 pub(super) const CHUNK: usize = 64 * 1024;
 
 /// A response with one chunk of the content.
-pub(super) trait Chunk: Send + 'static {
+pub(super) trait ChunkResponse: Send + 'static {
     fn chunk(data: Bytes) -> Self;
 }
 
 /// Streams the output of `make` in chunks. `make` can check whether the client has disconnected.
-pub(super) fn stream<T: Chunk>(
+pub(super) fn stream<T: ChunkResponse>(
     turn: OwnTurn,
     make: impl FnOnce(&mut dyn Write, &Gone) -> Result<(), Refusal> + Send + 'static,
 ) -> Response<ReceiverStream<Result<T, Status>>> {
@@ -35,7 +35,7 @@ pub(super) fn stream<T: Chunk>(
     tokio::task::spawn_blocking(move || {
         let client = send.clone();
         let gone: Gone = Arc::new(move || client.is_closed());
-        let mut writer = Chunks { buffer: BytesMut::with_capacity(CHUNK), send, turn };
+        let mut writer = ChunkWriter { buffer: BytesMut::with_capacity(CHUNK), send, turn };
         let result = make(&mut writer, &gone).and_then(|()| Ok(writer.flush()?));
         if let Err(refusal) = result {
             let _ = writer.send(Err(refusal.into()));
@@ -59,13 +59,13 @@ pub(super) async fn making<T: Send + 'static>(
     made
 }
 
-struct Chunks<T> {
+struct ChunkWriter<T> {
     buffer: BytesMut,
     send: Sender<Result<T, Status>>,
     turn: OwnTurn,
 }
 
-impl<T: Chunk> Chunks<T> {
+impl<T: ChunkResponse> ChunkWriter<T> {
     /// Sends a message; gives up the turn while the client does not read.
     fn send(&mut self, message: Result<T, Status>) -> io::Result<()> {
         let message = match self.send.try_send(message) {
@@ -80,7 +80,7 @@ impl<T: Chunk> Chunks<T> {
     }
 }
 
-impl<T: Chunk> Write for Chunks<T> {
+impl<T: ChunkResponse> Write for ChunkWriter<T> {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
         let take = data.len().min(CHUNK.saturating_sub(self.buffer.len())).max(1).min(data.len());
         self.buffer.extend_from_slice(data.get(..take).unwrap_or_default());

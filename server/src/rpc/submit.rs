@@ -6,31 +6,31 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use counterpoint_kernel::diag;
-use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::job::Program;
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
+use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::machine::similar;
-use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
+use counterpoint_kernel::options::{JobLimits, JobOptions, RacePolicy, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
 use super::blocking;
 use super::door::some_entries;
-use super::guess::{Search, guessed};
+use super::guess::{GuessSearch, guessed};
 use crate::access::Caller;
 use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::jobs::admission::known_by_content;
 use crate::ledger::NewJob;
-use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
-use crate::machines::{Definition, is_shipped, shipped};
-use crate::memory::Taken;
+use crate::ledger::record::{CONTENT, JobAttributes, JobRecord, JobWork, Priority, Runs, now_ms};
+use crate::machines::{MachineRecord, is_shipped, shipped};
+use crate::memory::MemoryReservation;
 use crate::reason::Refusal;
 
 /// A request that has been checked.
 pub(super) enum CheckedRequest {
     New(Box<NewJob>),
     /// A repeat of the request for this job, which could no longer be accepted as a new one.
-    Known(Box<Record>),
+    Known(Box<JobRecord>),
 }
 
 /// Checks a request and makes the record of a new job.
@@ -43,7 +43,7 @@ pub(super) async fn check(
         true => Some(core.streams.lookups.turn(&caller.identity.key()).await),
         false => None,
     };
-    let search = Search::default();
+    let search = GuessSearch::default();
     let (core, tenant, stop) = (core.clone(), caller.tenant().to_owned(), search.stop());
     blocking(move || {
         // The thread holds the turn, because it may continue after its client has disconnected.
@@ -80,7 +80,7 @@ fn record(
     let files: Vec<_> = files.into_iter().collect();
     let sent = request.options.unwrap_or_default();
     let own = sent.limits.unwrap_or_default();
-    let asked = Asked {
+    let asked = JobAttributes {
         labels: request.labels,
         priority: priority(request.priority)?.unwrap_or_default(),
         deadline_ms: deadline(request.deadline_ms)?,
@@ -95,11 +95,11 @@ fn record(
         named if !named.is_empty() => (named, String::new()),
         _ => guessed(core, tenant, &programs, &files, stop)?,
     };
-    let asked = Asked { guess, ..asked };
+    let asked = JobAttributes { guess, ..asked };
     let machine = machine(core, tenant, &machine_name)?;
-    let work = limited(core, &asked, Work { machine, files, options, answers: Vec::new(), late: Vec::new() });
+    let work = limited(core, &asked, JobWork { machine, files, options, answers: Vec::new(), late: Vec::new() });
     // The ledger gives the job its name when it accepts it.
-    let record = Record {
+    let record = JobRecord {
         content,
         tenant: tenant.to_owned(),
         request_id: request.request_id,
@@ -108,14 +108,19 @@ fn record(
         asked,
         runs: Runs { wall_ms: own.wall_ms, max_job_bytes: own.max_job_bytes, ..Runs::default() },
         submitted_ms: now_ms(),
-        ..Record::queued(&work)
+        ..JobRecord::queued(&work)
     };
     Ok(Box::new(NewJob { record, work }))
 }
 
 /// Takes memory for a request for a job. One that repeats an earlier one is only answered, so it can have memory of
 /// answers.
-pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, bytes: u64) -> Result<Taken, Refusal> {
+pub(super) async fn memory(
+    core: &Arc<Core>,
+    tenant: &str,
+    request_id: &str,
+    bytes: u64,
+) -> Result<MemoryReservation, Refusal> {
     let full = match core.memory().take(bytes) {
         Err(full @ Refusal::MemoryFull(_)) => full,
         other => return other,
@@ -131,7 +136,7 @@ pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, byt
 pub(super) async fn check_rerun(
     core: &Arc<Core>,
     caller: &Caller,
-    earlier: Result<Record, Refusal>,
+    earlier: Result<JobRecord, Refusal>,
     request: v1::RerunJobRequest,
 ) -> Result<CheckedRequest, Refusal> {
     let (core, tenant) = (core.clone(), caller.tenant().to_owned());
@@ -153,7 +158,7 @@ fn content_of_rerun(request: &v1::RerunJobRequest) -> String {
 
 fn rerun(
     core: &Core,
-    earlier: Record,
+    earlier: JobRecord,
     content: String,
     mut request: v1::RerunJobRequest,
 ) -> Result<Box<NewJob>, Refusal> {
@@ -161,7 +166,7 @@ fn rerun(
     let request_id = std::mem::take(&mut request.request_id);
     // An early row has the limits that counted then instead of those that were requested.
     let early = || Some(work.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
-    let asked = Asked {
+    let asked = JobAttributes {
         labels: if request.labels.is_empty() { earlier.asked.labels } else { request.labels },
         priority: priority(request.priority)?.unwrap_or(earlier.asked.priority),
         deadline_ms: deadline(request.deadline_ms)?,
@@ -171,8 +176,8 @@ fn rerun(
         limits: earlier.asked.limits.clone().or_else(early),
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
-    let work = limited(core, &asked, Work { answers: Vec::new(), late: Vec::new(), ..work });
-    let record = Record {
+    let work = limited(core, &asked, JobWork { answers: Vec::new(), late: Vec::new(), ..work });
+    let record = JobRecord {
         content,
         tenant: earlier.tenant,
         request_id,
@@ -181,14 +186,14 @@ fn rerun(
         asked,
         runs,
         submitted_ms: now_ms(),
-        ..Record::queued(&work)
+        ..JobRecord::queued(&work)
     };
     Ok(Box::new(NewJob { record, work }))
 }
 
 /// The work with the limits that count: those asked for, or the defaults, within the maxima of the server.
-fn limited(core: &Core, asked: &Asked, mut work: Work) -> Work {
-    let asked = asked.limits.as_ref().map_or_else(Limits::default, or_default);
+fn limited(core: &Core, asked: &JobAttributes, mut work: JobWork) -> JobWork {
+    let asked = asked.limits.as_ref().map_or_else(JobLimits::default, or_default);
     work.options.limits = core.options.maxima.capped(&asked);
     work
 }
@@ -223,7 +228,11 @@ fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>,
     Ok(found)
 }
 
-fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
+fn programs(
+    core: &Core,
+    programs: &[v1::Program],
+    files: &BTreeMap<String, String>,
+) -> Result<Vec<ProgramSelection>, Refusal> {
     some_entries("programs", programs.len(), core.options.maxima.max_programs, "max_programs")?;
     let one = |(i, program): (usize, &v1::Program)| {
         if !files.contains_key(&program.path) {
@@ -231,7 +240,12 @@ fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, Stri
         }
         let channel = program.channel.map(|c| small(&format!("programs[{i}].channel"), u64::from(c), 1, 9999));
         let section = program.section.clone();
-        Ok(Program { file: program.path.clone(), number: program.number, section, channel: channel.transpose()? })
+        Ok(ProgramSelection {
+            file: program.path.clone(),
+            number: program.number,
+            section,
+            channel: channel.transpose()?,
+        })
     };
     programs.iter().enumerate().map(one).collect()
 }
@@ -246,11 +260,11 @@ pub(super) fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64
 }
 
 /// Options except for the limits.
-fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
+fn options(options: v1::JobOptions) -> Result<JobOptions, Refusal> {
     let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 0, 9));
     let [warnings_off, warnings_on] = warnings(options.warnings_off, options.warnings_on)?;
     let ignore = options.ignore_waits.iter().map(|&c| small("options.ignore_waits", u64::from(c), 1, 9999));
-    Ok(Options {
+    Ok(JobOptions {
         opskip: opskip.collect::<Result<_, _>>()?,
         opstop: options.opstop,
         ignore_waits: ignore.collect::<Result<_, _>>()?,
@@ -261,9 +275,9 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         lint: options.lint,
         parameters: options.parameters,
         races: match v1::RaceCheck::try_from(options.races) {
-            Ok(v1::RaceCheck::Unspecified) => Races::Off,
-            Ok(v1::RaceCheck::Warn) => Races::Warn,
-            Ok(v1::RaceCheck::Alarm) => Races::Alarm,
+            Ok(v1::RaceCheck::Unspecified) => RacePolicy::Off,
+            Ok(v1::RaceCheck::Warn) => RacePolicy::Warn,
+            Ok(v1::RaceCheck::Alarm) => RacePolicy::Alarm,
             Err(_) => return Err(Refusal::field("options.races", "is not a value of RaceCheck")),
         },
         time: match v1::TimeModel::try_from(options.time) {
@@ -274,7 +288,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         warnings_off,
         warnings_on,
-        limits: Limits::default(),
+        limits: JobLimits::default(),
     })
 }
 
@@ -294,15 +308,15 @@ fn warnings(off: Vec<u32>, on: Vec<u32>) -> Result<[Vec<u32>; 2], Refusal> {
 }
 
 /// An answer from the wire.
-pub(super) fn answer(answer: v1::DialogAnswer) -> Answer {
+pub(super) fn answer(answer: v1::DialogAnswer) -> DialogAnswer {
     use v1::dialog_value::Value as Wire;
     let value = |value: v1::DialogValue| match value.value {
-        Some(Wire::Flag(flag)) => Value::Flag(flag),
-        Some(Wire::Number(number)) => Value::Number(number),
-        Some(Wire::Text(text)) => Value::Text(text),
-        None => Value::Text(String::new()),
+        Some(Wire::Flag(flag)) => DialogValue::Flag(flag),
+        Some(Wire::Number(number)) => DialogValue::Number(number),
+        Some(Wire::Text(text)) => DialogValue::Text(text),
+        None => DialogValue::Text(String::new()),
     };
-    Answer {
+    DialogAnswer {
         dialog: answer.dialog,
         button: Some(answer.button).filter(|button| !button.is_empty()),
         values: answer.values.into_iter().map(|(name, v)| (name, value(v))).collect(),
@@ -310,12 +324,12 @@ pub(super) fn answer(answer: v1::DialogAnswer) -> Answer {
 }
 
 /// Limits that were requested, 0 = not given; none when none was given.
-fn asked_limits(asked: &v1::JobLimits) -> Result<Option<Limits>, Refusal> {
+fn asked_limits(asked: &v1::JobLimits) -> Result<Option<JobLimits>, Refusal> {
     if asked.simulated_ns < 0 {
         return Err(Refusal::field("options.limits.simulated_ns", "must not be negative"));
     }
     let own = v1::JobLimits { wall_ms: 0, max_job_bytes: 0, ..*asked };
-    let limits = Limits {
+    let limits = JobLimits {
         simulated_ns: asked.simulated_ns,
         blocks: asked.blocks,
         zero_time_blocks: asked.zero_time_blocks,
@@ -330,12 +344,12 @@ fn asked_limits(asked: &v1::JobLimits) -> Result<Option<Limits>, Refusal> {
 }
 
 /// Limits with the defaults for those that were not given.
-fn or_default(asked: &Limits) -> Limits {
+fn or_default(asked: &JobLimits) -> JobLimits {
     fn or<T: Default + PartialEq>(value: T, default: T) -> T {
         if value == T::default() { default } else { value }
     }
-    let default = Limits::default();
-    Limits {
+    let default = JobLimits::default();
+    JobLimits {
         simulated_ns: or(asked.simulated_ns, default.simulated_ns),
         blocks: or(asked.blocks, default.blocks),
         zero_time_blocks: or(asked.zero_time_blocks, default.zero_time_blocks),
@@ -350,16 +364,16 @@ fn or_default(asked: &Limits) -> Limits {
 }
 
 /// The machine that a name means to a tenant, pinned to its revision.
-pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definition, Refusal> {
+pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<MachineRecord, Refusal> {
     // A ledger written by an older server may hold a machine under the name of a shipped one.
     if core.reserved(name) {
-        return Ok(Definition::shipped(name));
+        return Ok(MachineRecord::shipped(name));
     }
     if let Some(definition) = core.ledger.machine(tenant, name)? {
         return Ok(definition);
     }
     if is_shipped(name) {
-        return Ok(Definition::shipped(name));
+        return Ok(MachineRecord::shipped(name));
     }
     Err(unknown_machine(core, tenant, name)?)
 }
@@ -431,7 +445,7 @@ mod tests {
         for other in same {
             assert_eq!(content_of(&other), content_of(&request), "{other:?}");
         }
-        let blocks = v1::JobLimits { blocks: Limits::default().blocks, ..Default::default() };
+        let blocks = v1::JobLimits { blocks: JobLimits::default().blocks, ..Default::default() };
         let different = [
             v1::SubmitJobRequest { labels: [("k".to_owned(), "v".to_owned())].into(), ..request.clone() },
             v1::SubmitJobRequest { priority: v1::JobPriority::High.into(), ..request.clone() },

@@ -20,15 +20,15 @@ use tonic::Status;
 use super::blocking;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
-use crate::jobs::live::Live;
+use crate::jobs::live::LiveJob;
 use crate::jobs::progress;
 use crate::jobs::streams::Listed;
-use crate::ledger::record::State;
+use crate::ledger::record::JobState;
 use crate::log::damage::{cut_short, gone};
-use crate::log::filter::Filter;
-use crate::log::kept::Kept;
-use crate::log::reader::{Batch, Reader, Spot};
-use crate::log::tail::Position;
+use crate::log::filter::BatchFilter;
+use crate::log::kept::StoredLog;
+use crate::log::reader::{Batch, LogReader, ResumePoint};
+use crate::log::tail::ReadableEnd;
 use crate::reason::Refusal;
 
 /// Progress at most this often.
@@ -58,22 +58,22 @@ pub(super) fn heartbeat(asked_ms: u32) -> Result<Duration, Refusal> {
 type Out = mpsc::Sender<Result<v1::WatchJobResponse, Status>>;
 
 /// A watcher.
-pub(super) struct Watch {
+pub(super) struct JobWatcher {
     core: Arc<Core>,
-    live: Arc<Live>,
+    live: Arc<LiveJob>,
     listed: Listed,
     level: v1::WatchLevel,
     heartbeat: Duration,
     cursor: u64,
-    reader: Option<Reader>,
+    reader: Option<LogReader>,
     /// Reads since the client stood still.
     kept_pace: u32,
     /// Where the log is to be read on after the client stood still.
-    resume: Option<Spot>,
+    resume: Option<ResumePoint>,
     described: bool,
     /// Logs that the job has dropped, as far as known.
     dropped: u32,
-    filter: Filter,
+    filter: BatchFilter,
     last_progress: v1::Progress,
     /// When progress was last looked at, and when it was last sent.
     looked_at: Instant,
@@ -94,7 +94,7 @@ impl From<Refusal> for Over {
     }
 }
 
-impl Watch {
+impl JobWatcher {
     pub(super) fn new(core: Arc<Core>, request: v1::WatchJobRequest) -> Result<Self, Refusal> {
         let level = v1::WatchLevel::try_from(request.level)
             .map_err(|_| Refusal::field("level", format!("{} is not a level", request.level)))?;
@@ -115,7 +115,7 @@ impl Watch {
             resume: None,
             described: false,
             dropped: 0,
-            filter: Filter::new(level),
+            filter: BatchFilter::new(level),
             last_progress: v1::Progress::default(),
             looked_at: Instant::now(),
             sent_at: Instant::now(),
@@ -152,7 +152,7 @@ impl Watch {
             if state.ended() {
                 return self.end(out, position).await;
             }
-            if *drain.borrow_and_update() && state != State::Running {
+            if *drain.borrow_and_update() && state != JobState::Running {
                 return Err(Refusal::Draining { cursor: self.cursor }.into());
             }
             self.progress(out, false).await?;
@@ -168,7 +168,7 @@ impl Watch {
     }
 
     /// Sends the events of the log after the cursor; `false` if the client stopped reading meanwhile.
-    async fn batches(&mut self, out: &Out, position: Position) -> Result<bool, Over> {
+    async fn batches(&mut self, out: &Out, position: ReadableEnd) -> Result<bool, Over> {
         if position.dropped != self.dropped {
             (self.dropped, self.reader, self.resume) = (position.dropped, None, None);
         }
@@ -272,7 +272,7 @@ impl Watch {
         Ok(())
     }
 
-    async fn end(&mut self, out: &Out, position: Position) -> Result<(), Over> {
+    async fn end(&mut self, out: &Out, position: ReadableEnd) -> Result<(), Over> {
         let record = self.live.record();
         // A cursor of an earlier run may be after the end of a later one that was stopped: nothing is missing there.
         let commands = self.core.options.system.allow_system && record.machine.trusted;
@@ -292,10 +292,10 @@ impl Watch {
 }
 
 /// Opens a log at a place, or after an event; none if it has just been dropped.
-fn open(log: &Kept, resume: Option<Spot>, after: u64) -> Result<Option<Reader>, Refusal> {
+fn open(log: &StoredLog, resume: Option<ResumePoint>, after: u64) -> Result<Option<LogReader>, Refusal> {
     let opened = match resume {
-        Some(spot) => Reader::resume(log, spot, after),
-        None => Reader::open(log, after),
+        Some(spot) => LogReader::resume(log, spot, after),
+        None => LogReader::open(log, after),
     };
     match opened {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
@@ -304,12 +304,12 @@ fn open(log: &Kept, resume: Option<Spot>, after: u64) -> Result<Option<Reader>, 
 }
 
 /// An ended job that is no longer in memory, as if it had just ended.
-fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
+fn from_ledger(core: &Core, id: &str) -> Result<Arc<LiveJob>, Refusal> {
     let record = core.job(id)?;
     // Of a log that cannot be read there is nothing, which its watch then tells.
     let bytes = core.kept_log(id)?.map_or(0, |log| log.length().unwrap_or(0));
     let events = record.events;
-    let live = Live::new(record);
+    let live = LiveJob::new(record);
     live.tail().set(bytes, events);
     Ok(Arc::new(live))
 }
@@ -321,7 +321,7 @@ fn most(kept_pace: u32) -> usize {
 
 /// Reads this many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and
 /// the reader holds next to nothing.
-fn pull(mut reader: Reader, most: usize, slow: bool) -> Result<(Reader, Vec<Batch>), Refusal> {
+fn pull(mut reader: LogReader, most: usize, slow: bool) -> Result<(LogReader, Vec<Batch>), Refusal> {
     let (mut batches, mut bytes) = (Vec::new(), 0);
     while bytes < most {
         let Some(mut batch) = reader.next_batch()? else { break };

@@ -18,8 +18,8 @@ use super::look_up;
 use super::watch::{Over, SMALLEST, heartbeat};
 use crate::access::Caller;
 use crate::jobs::Core;
-use crate::jobs::feed::Change;
-use crate::jobs::filter::{Filter, OPEN};
+use crate::jobs::feed::JobChange;
+use crate::jobs::filter::{JobConditions, OPEN};
 use crate::jobs::operator_wait::status_for_follower;
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
@@ -32,18 +32,18 @@ const PAUSE: Duration = Duration::from_millis(20);
 type Out = mpsc::Sender<Result<v1::WatchJobsResponse, Status>>;
 
 /// A watcher.
-pub(super) struct WatchJobs {
+pub(super) struct JobFeedWatcher {
     core: Arc<Core>,
     tenant: String,
     /// Key of the identity that watches.
     identity: String,
-    filter: Filter,
+    filter: JobConditions,
     heartbeat: Duration,
     /// Where the feed is read from; none: the jobs that have not ended come first.
     cursor: Option<u64>,
 }
 
-impl WatchJobs {
+impl JobFeedWatcher {
     pub(super) fn new(core: Arc<Core>, caller: &Caller, request: v1::WatchJobsRequest) -> Result<Self, Refusal> {
         let cursor = Some(request.after).filter(|after| *after > 0);
         if let Some(cursor) = cursor {
@@ -51,7 +51,7 @@ impl WatchJobs {
             core.feed().after(caller.tenant(), cursor, 0)?;
         }
         Ok(Self {
-            filter: Filter::read(request.filter.unwrap_or_default())?,
+            filter: JobConditions::read(request.filter.unwrap_or_default())?,
             heartbeat: heartbeat(request.heartbeat_ms)?,
             tenant: caller.tenant().to_owned(),
             identity: caller.identity.key(),
@@ -146,13 +146,13 @@ impl WatchJobs {
     }
 
     /// The newest states of jobs that have changed, as many as a message may have, and the changes left.
-    async fn read(&self, changes: Vec<Change>) -> Result<(Vec<v1::JobChange>, Vec<Change>), Refusal> {
+    async fn read(&self, changes: Vec<JobChange>) -> Result<(Vec<v1::JobChange>, Vec<JobChange>), Refusal> {
         let (core, filter) = (self.core.clone(), self.filter.clone());
         look_up(&self.core, &self.identity, move || {
             let (mut read, mut bytes) = (Vec::new(), 0);
             let mut changes = changes.into_iter();
             while bytes < PAGE_BYTES {
-                let Some(Change { id, removed, .. }) = changes.next() else { break };
+                let Some(JobChange { id, removed, .. }) = changes.next() else { break };
                 if let Some(removed) = removed {
                     let status = v1::JobStatus { job_id: id.to_string(), ..Default::default() };
                     read.extend(filter.took(&removed).then_some(v1::JobChange { status: Some(status), removed: true }));

@@ -15,9 +15,9 @@ use opentelemetry_sdk::trace::{SpanData, SpanExporter as _};
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 
-use crate::ledger::record::{Record, State};
-use crate::pace::Pace;
-use crate::trace::Context;
+use crate::ledger::record::{JobRecord, JobState};
+use crate::pace::LogRateLimit;
+use crate::trace::TraceContext;
 
 /// Spans that may wait for the collector.
 const WAITING: usize = 8192;
@@ -29,7 +29,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Time that the last batch gets when the server stops.
 const CLOSING: Duration = Duration::from_secs(1);
 
-static NOT_SENT: Pace = Pace::new();
+static NOT_SENT: LogRateLimit = LogRateLimit::new();
 
 /// Sends spans until it is closed.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ impl Exporter {
     }
 
     /// Takes the spans of a job that has ended.
-    pub(super) fn ended(&self, record: &Record) {
+    pub(super) fn ended(&self, record: &JobRecord) {
         let spans = self.spans.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let Some(sender) = spans else { return };
         for span in spans_of(record) {
@@ -116,8 +116,8 @@ fn at(ms: i64) -> SystemTime {
 }
 
 /// The spans of a job; none if its client has said that its trace is not recorded.
-fn spans_of(record: &Record) -> Vec<SpanData> {
-    let own = Context::of(&record.id, &record.runs.traceparent);
+fn spans_of(record: &JobRecord) -> Vec<SpanData> {
+    let own = TraceContext::of(&record.id, &record.runs.traceparent);
     let hex = (TraceId::from_hex(&own.trace), SpanId::from_hex(&own.span), SpanId::from_hex(&own.run));
     let (Ok(trace), Ok(job), Ok(run)) = hex else { return Vec::new() };
     if !own.sampled {
@@ -140,10 +140,10 @@ fn spans_of(record: &Record) -> Vec<SpanData> {
         instrumentation_scope: InstrumentationScope::builder("counterpoint").build(),
     };
     let status = match record.state {
-        State::Failed if record.error.is_empty() => Status::error(record.verdict.clone()),
-        State::Failed => Status::error(record.error.clone()),
-        State::Succeeded => Status::Ok,
-        State::Queued | State::Running | State::Cancelled => Status::Unset,
+        JobState::Failed if record.error.is_empty() => Status::error(record.verdict.clone()),
+        JobState::Failed => Status::error(record.error.clone()),
+        JobState::Succeeded => Status::Ok,
+        JobState::Queued | JobState::Running | JobState::Cancelled => Status::Unset,
     };
     let number = |value: u64| i64::try_from(value).unwrap_or(i64::MAX);
     let mut attributes = vec![

@@ -6,16 +6,16 @@
 #[cfg(feature = "otlp")]
 mod export;
 
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 
 /// Where spans go.
 #[derive(Debug, Default)]
-pub(crate) struct Spans {
+pub(crate) struct JobSpans {
     #[cfg(feature = "otlp")]
     exporter: Option<export::Exporter>,
 }
 
-impl Spans {
+impl JobSpans {
     /// Sends spans to the collector at this address (`http://HOST:4317`); empty = none.
     #[cfg(feature = "otlp")]
     pub(crate) fn to(endpoint: &str) -> Result<Self, String> {
@@ -35,7 +35,7 @@ impl Spans {
     }
 
     /// Sends the spans of a job that has ended.
-    pub(crate) fn ended(&self, record: &Record) {
+    pub(crate) fn ended(&self, record: &JobRecord) {
         #[cfg(feature = "otlp")]
         if let Some(exporter) = &self.exporter {
             exporter.ended(record);

@@ -7,14 +7,14 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{sleep, timeout};
 
-use super::message::Message;
+use super::message::WebhookMessage;
 use super::post::post;
-use super::target::Target;
+use super::target::WebhookTarget;
 use crate::clock::now_ms;
 use crate::metrics::{Metrics, WebhookOutcome};
-use crate::pace::Pace;
+use crate::pace::LogRateLimit;
 
-static NOT_DELIVERED: Pace = Pace::new();
+static NOT_DELIVERED: LogRateLimit = LogRateLimit::new();
 
 /// Times between attempts, and the limit after which a message is given up.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +37,7 @@ impl Default for Retries {
 
 /// The deliveries to one target.
 pub(super) struct Deliveries {
-    pub(super) target: Arc<Target>,
+    pub(super) target: Arc<WebhookTarget>,
     pub(super) retries: Retries,
     pub(super) metrics: Arc<Metrics>,
     /// Set when the server stops: each remaining message is tried once.
@@ -46,7 +46,7 @@ pub(super) struct Deliveries {
 
 impl Deliveries {
     /// Delivers messages until the queue is closed and empty.
-    pub(super) async fn run(mut self, mut messages: mpsc::Receiver<Message>) {
+    pub(super) async fn run(mut self, mut messages: mpsc::Receiver<WebhookMessage>) {
         while let Some(message) = messages.recv().await {
             let outcome = self.deliver(&message).await;
             self.metrics.webhook(&self.target.name, outcome);
@@ -55,7 +55,7 @@ impl Deliveries {
         }
     }
 
-    async fn deliver(&mut self, message: &Message) -> WebhookOutcome {
+    async fn deliver(&mut self, message: &WebhookMessage) -> WebhookOutcome {
         let mut pause = self.retries.pause;
         loop {
             let attempt = timeout(self.retries.attempt, post(&self.target, message, now_ms() / 1000)).await;
@@ -87,7 +87,7 @@ impl Deliveries {
         }
     }
 
-    fn report(&self, message: &Message, reason: &str) {
+    fn report(&self, message: &WebhookMessage, reason: &str) {
         if let Some(left_out) = NOT_DELIVERED.pass() {
             let target = &self.target.name;
             tracing::warn!(webhook = target, id = message.id, left_out, "a webhook is not delivered: {reason}");

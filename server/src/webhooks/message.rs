@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::ledger::record::{Cause, Record, State};
+use crate::ledger::record::{Cause, JobRecord, JobState};
 
 /// A message.
 #[derive(Debug, Clone)]
-pub(super) struct Message {
+pub(super) struct WebhookMessage {
     /// The same for every attempt, and for a job whose end was reported before the server died.
     pub(super) id: String,
     pub(super) body: String,
@@ -25,15 +25,15 @@ fn cause(cause: Cause) -> &'static str {
     }
 }
 
-impl Message {
+impl WebhookMessage {
     /// The message about a job that has ended.
-    pub(super) fn of(record: &Record) -> Self {
+    pub(super) fn of(record: &JobRecord) -> Self {
         let state = match record.state {
-            State::Queued => "QUEUED",
-            State::Running => "RUNNING",
-            State::Succeeded => "SUCCEEDED",
-            State::Failed => "FAILED",
-            State::Cancelled => "CANCELLED",
+            JobState::Queued => "QUEUED",
+            JobState::Running => "RUNNING",
+            JobState::Succeeded => "SUCCEEDED",
+            JobState::Failed => "FAILED",
+            JobState::Cancelled => "CANCELLED",
         };
         let body = json!({
             "type": "job.ended",

@@ -19,32 +19,32 @@ use std::time::Duration;
 
 use tokio::sync::{mpsc, watch};
 
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::metrics::{Metrics, WebhookOutcome};
 use crate::options::Webhook;
-use crate::pace::Pace;
+use crate::pace::LogRateLimit;
 use delivery::Retries;
-use message::Message;
-use target::Target;
+use message::WebhookMessage;
+use target::WebhookTarget;
 
 /// Messages that may wait for one target.
 const WAITING: usize = 1000;
 /// Time for the remaining messages when the server stops.
 const CLOSING: Duration = Duration::from_secs(1);
 
-static DROPPED: Pace = Pace::new();
+static DROPPED: LogRateLimit = LogRateLimit::new();
 
 /// A target with its queue.
 #[derive(Debug)]
-struct Line {
-    target: Arc<Target>,
-    messages: mpsc::Sender<Message>,
+struct TargetQueue {
+    target: Arc<WebhookTarget>,
+    messages: mpsc::Sender<WebhookMessage>,
 }
 
 /// Sends messages until it is closed.
 #[derive(Debug)]
 pub(crate) struct Webhooks {
-    lines: Mutex<Vec<Line>>,
+    lines: Mutex<Vec<TargetQueue>>,
     metrics: Arc<Metrics>,
     /// Signals the thread that no more messages come.
     closing: watch::Sender<bool>,
@@ -76,11 +76,12 @@ impl Webhooks {
         let mut lines = Vec::new();
         let mut receivers = Vec::new();
         for (name, webhook) in table {
-            let target = Target::new(name, webhook, insecure).map_err(|reason| format!("webhooks.{name}: {reason}"))?;
+            let target =
+                WebhookTarget::new(name, webhook, insecure).map_err(|reason| format!("webhooks.{name}: {reason}"))?;
             let (messages, receiver) = mpsc::channel(WAITING);
             let target = Arc::new(target);
             receivers.push((target.clone(), receiver));
-            lines.push(Line { target, messages });
+            lines.push(TargetQueue { target, messages });
         }
         if !lines.is_empty() {
             let wrong = |error: std::io::Error| format!("webhooks: {error}");
@@ -102,14 +103,14 @@ impl Webhooks {
     }
 
     /// Queues the messages about a job that has ended.
-    pub(crate) fn ended(&self, record: &Record) {
+    pub(crate) fn ended(&self, record: &JobRecord) {
         let lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         for line in lines.iter().filter(|line| line.target.wants(record)) {
             let name = &line.target.name;
             // Before the message is sent, so the thread never counts below zero.
             line.target.waiting.fetch_add(1, Ordering::Relaxed);
             self.metrics.webhooks_waiting(name, 1);
-            if line.messages.try_send(Message::of(record)).is_ok() {
+            if line.messages.try_send(WebhookMessage::of(record)).is_ok() {
                 continue;
             }
             line.target.waiting.fetch_sub(1, Ordering::Relaxed);

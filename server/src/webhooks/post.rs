@@ -7,11 +7,11 @@ use hyper_util::rt::TokioIo;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 
-use super::message::Message;
-use super::target::Target;
+use super::message::WebhookMessage;
+use super::target::WebhookTarget;
 
 /// Posts a message, and returns the status of the answer. Its content is not read.
-pub(super) async fn post(target: &Target, message: &Message, seconds: i64) -> Result<StatusCode, String> {
+pub(super) async fn post(target: &WebhookTarget, message: &WebhookMessage, seconds: i64) -> Result<StatusCode, String> {
     let endpoint = &target.endpoint;
     let stream = TcpStream::connect((endpoint.host.as_str(), endpoint.port)).await.map_err(|e| e.to_string())?;
     match &target.tls {
@@ -25,8 +25,8 @@ pub(super) async fn post(target: &Target, message: &Message, seconds: i64) -> Re
 
 async fn send(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
-    target: &Target,
-    message: &Message,
+    target: &WebhookTarget,
+    message: &WebhookMessage,
     seconds: i64,
 ) -> Result<StatusCode, String> {
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream)).await.map_err(|e| e.to_string())?;

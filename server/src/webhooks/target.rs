@@ -13,7 +13,7 @@ use tokio_rustls::TlsConnector;
 
 use super::endpoint::Endpoint;
 use crate::certificates::{self, wrong};
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 use crate::option_file::OptionFile;
 use crate::options::Webhook;
 use crate::tenant;
@@ -23,11 +23,11 @@ const LEAST_SECRET: usize = 16;
 /// Start of a secret in the spelling of Standard Webhooks; the rest is base64.
 const ENCODED: &str = "whsec_";
 /// The states that end a job.
-const ENDS: [(&str, State); 3] =
-    [("SUCCEEDED", State::Succeeded), ("FAILED", State::Failed), ("CANCELLED", State::Cancelled)];
+const ENDS: [(&str, JobState); 3] =
+    [("SUCCEEDED", JobState::Succeeded), ("FAILED", JobState::Failed), ("CANCELLED", JobState::Cancelled)];
 
 /// A target of messages.
-pub(super) struct Target {
+pub(super) struct WebhookTarget {
     pub(super) name: String,
     pub(super) endpoint: Endpoint,
     /// Encrypts connections, with the name that the certificate must have.
@@ -39,16 +39,19 @@ pub(super) struct Target {
     secret: hmac::Key,
     /// Tenants; none = all.
     tenants: Option<Vec<String>>,
-    states: Vec<State>,
+    states: Vec<JobState>,
 }
 
-impl std::fmt::Debug for Target {
+impl std::fmt::Debug for WebhookTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Target").field("name", &self.name).field("endpoint", &self.endpoint).finish_non_exhaustive()
+        f.debug_struct("WebhookTarget")
+            .field("name", &self.name)
+            .field("endpoint", &self.endpoint)
+            .finish_non_exhaustive()
     }
 }
 
-impl Target {
+impl WebhookTarget {
     /// Reads the table of a target and its files.
     pub(super) fn new(name: &str, webhook: &Webhook, insecure: bool) -> Result<Self, String> {
         if !tenant::is_tenant(name) {
@@ -87,7 +90,7 @@ impl Target {
     }
 
     /// Whether the target is notified of the end of a job.
-    pub(super) fn wants(&self, record: &Record) -> bool {
+    pub(super) fn wants(&self, record: &JobRecord) -> bool {
         let of_tenant = self.tenants.as_ref().is_none_or(|tenants| tenants.contains(&record.tenant));
         of_tenant && record.state.ended() && (self.states.is_empty() || self.states.contains(&record.state))
     }

@@ -12,11 +12,11 @@ use tempfile::TempDir;
 
 use super::Webhooks;
 use super::delivery::Retries;
-use super::message::Message;
-use super::target::Target;
+use super::message::WebhookMessage;
+use super::target::WebhookTarget;
 use crate::ledger::first_error::FirstError;
 use crate::ledger::record::tests::record;
-use crate::ledger::record::{Cause, Record, State};
+use crate::ledger::record::{Cause, JobRecord, JobState};
 use crate::metrics::Metrics;
 use crate::options::Webhook;
 
@@ -117,8 +117,8 @@ impl Table {
     }
 }
 
-fn ended(id: &str, tenant: &str, state: State) -> Record {
-    Record { tenant: tenant.to_owned(), state, ended_ms: 1_700_000_000_000, ..record(id) }
+fn ended(id: &str, tenant: &str, state: JobState) -> JobRecord {
+    JobRecord { tenant: tenant.to_owned(), state, ended_ms: 1_700_000_000_000, ..record(id) }
 }
 
 fn count(metrics: &Metrics, target: &str, outcome: &str) -> u64 {
@@ -129,11 +129,11 @@ fn count(metrics: &Metrics, target: &str, outcome: &str) -> u64 {
 
 #[test]
 fn a_message_names_the_job_whose_results_were_reused() {
-    let data = |record: &Record| {
-        let body: serde_json::Value = serde_json::from_str(&Message::of(record).body).unwrap();
+    let data = |record: &JobRecord| {
+        let body: serde_json::Value = serde_json::from_str(&WebhookMessage::of(record).body).unwrap();
         body["data"]["reused_from"].clone()
     };
-    let mut record = ended("7", "default", State::Succeeded);
+    let mut record = ended("7", "default", JobState::Succeeded);
     assert_eq!(data(&record), serde_json::Value::Null);
     record.reuse.from = "5".to_owned();
     assert_eq!(data(&record), "5");
@@ -141,11 +141,11 @@ fn a_message_names_the_job_whose_results_were_reused() {
 
 #[test]
 fn a_message_has_the_first_error_of_a_failed_job() {
-    let data = |record: &Record| {
-        let body: serde_json::Value = serde_json::from_str(&Message::of(record).body).unwrap();
+    let data = |record: &JobRecord| {
+        let body: serde_json::Value = serde_json::from_str(&WebhookMessage::of(record).body).unwrap();
         body["data"]["first_error"].clone()
     };
-    let mut record = ended("7", "default", State::Failed);
+    let mut record = ended("7", "default", JobState::Failed);
     assert_eq!(data(&record), serde_json::Value::Null);
     record.first_error = Some(FirstError::new(2_900_061, ("division by zero", "part.nc"), 3, 1));
     let expected = serde_json::json!({
@@ -160,7 +160,7 @@ fn the_end_of_a_job_is_posted_with_a_signature() {
     let table = Table::new().with("mes", &format!("http://{address}/hook?cell=3"), &["default"], &[]);
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
-    let mut failed = ended("7", "default", State::Failed);
+    let mut failed = ended("7", "default", JobState::Failed);
     failed.runs.cause = Some(Cause::Limit);
     webhooks.ended(&failed);
     let request = received.recv_timeout(PATIENCE).unwrap();
@@ -170,7 +170,7 @@ fn the_end_of_a_job_is_posted_with_a_signature() {
     let body: serde_json::Value = serde_json::from_str(&request.body).unwrap();
     assert_eq!((&body["type"], &body["data"]["state"]), (&"job.ended".into(), &"FAILED".into()));
     assert_eq!((&body["data"]["job_id"], &body["data"]["cause"]), (&"7".into(), &"LIMIT".into()));
-    let of = Target::new("mes", &table.targets["mes"], false).unwrap();
+    let of = WebhookTarget::new("mes", &table.targets["mes"], false).unwrap();
     let seconds = request.header("webhook-timestamp").parse().unwrap();
     assert_eq!(request.header("webhook-signature"), of.signature("job_7", seconds, &request.body));
     webhooks.close();
@@ -182,7 +182,7 @@ fn the_end_of_a_job_is_posted_with_a_signature() {
 fn signatures_are_those_of_standard_webhooks() {
     let table = Table::new().with("mes", "http://localhost/", &["*"], &[]);
     let sign = || {
-        let target = Target::new("mes", &table.targets["mes"], false).unwrap();
+        let target = WebhookTarget::new("mes", &table.targets["mes"], false).unwrap();
         target.signature("job_1", 1_700_000_000, "{\"a\":1}")
     };
     assert_eq!(sign(), "v1,pWnssGbpIhBV2Ru3VOQs86JmpOIBkOTBdEQnojq1rIc=");
@@ -196,8 +196,8 @@ fn a_message_is_sent_again_until_it_is_taken_and_the_next_one_follows_it() {
     let table = Table::new().with("mes", &format!("http://{address}/"), &["default"], &[]);
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
-    webhooks.ended(&ended("1", "default", State::Succeeded));
-    webhooks.ended(&ended("2", "default", State::Succeeded));
+    webhooks.ended(&ended("1", "default", JobState::Succeeded));
+    webhooks.ended(&ended("2", "default", JobState::Succeeded));
     let ids = || received.recv_timeout(PATIENCE).unwrap().header("webhook-id").to_owned();
     assert_eq!([ids(), ids(), ids(), ids()], ["job_1", "job_1", "job_1", "job_2"]);
     webhooks.close();
@@ -211,7 +211,7 @@ fn a_refused_message_and_a_redirect_are_not_sent_again() {
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
     for id in ["1", "2", "3"] {
-        webhooks.ended(&ended(id, "default", State::Succeeded));
+        webhooks.ended(&ended(id, "default", JobState::Succeeded));
     }
     let ids = || received.recv_timeout(PATIENCE).unwrap().header("webhook-id").to_owned();
     assert_eq!([ids(), ids(), ids()], ["job_1", "job_2", "job_3"]);
@@ -233,11 +233,11 @@ fn a_target_hears_of_its_tenants_and_states_only_and_none_delays_another() {
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
     let jobs = [
-        ("1", "a", State::Succeeded),
-        ("2", "a", State::Failed),
-        ("3", "default", State::Failed),
-        ("4", "b", State::Cancelled),
-        ("5", "b", State::Queued),
+        ("1", "a", JobState::Succeeded),
+        ("2", "a", JobState::Failed),
+        ("3", "default", JobState::Failed),
+        ("4", "b", JobState::Cancelled),
+        ("5", "b", JobState::Queued),
     ];
     jobs.iter().for_each(|(id, tenant, state)| webhooks.ended(&ended(id, tenant, *state)));
     let ids = || received.recv_timeout(PATIENCE).unwrap().header("webhook-id").to_owned();
@@ -274,7 +274,7 @@ fn a_message_to_a_target_of_an_unknown_authority_is_given_up() {
     table.targets.values_mut().for_each(|webhook| webhook.ca_file = Some(ca_file.clone()));
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start_for(&metrics, Duration::from_millis(2));
-    webhooks.ended(&ended("1", "default", State::Succeeded));
+    webhooks.ended(&ended("1", "default", JobState::Succeeded));
     assert_eq!(outcomes.recv_timeout(PATIENCE), Ok(0), "the handshake fails");
     webhooks.close();
     assert_eq!((count(&metrics, "mes", "given_up"), count(&metrics, "mes", "delivered")), (1, 0));
@@ -287,7 +287,7 @@ fn messages_beyond_the_queue_of_a_target_are_counted_as_dropped() {
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
     for _ in 0..super::WAITING + 50 {
-        webhooks.ended(&ended("1", "a", State::Succeeded));
+        webhooks.ended(&ended("1", "a", JobState::Succeeded));
     }
     let dropped = count(&metrics, "down", "dropped");
     assert!((40..=50).contains(&dropped), "{dropped}");

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Retention};
+use counterpoint_server::options::{Retention, ServerOptions};
 use tonic::{Code, Status};
 
 use crate::guarded::*;
@@ -18,7 +18,7 @@ fn denied<T>(answer: Result<T, Status>) -> bool {
 #[tokio::test]
 async fn only_administrators_see_connections_streams_and_workers() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(folder.path()) };
     let (operator, admin) = (grant(&options, "op", "t", Role::Operate), grant(&options, "root", "it", Role::Admin));
     let server = Server::start(options).await;
     let (operator, admin) = (As::new(&server, &operator), As::new(&server, &admin));
@@ -62,7 +62,7 @@ async fn only_administrators_see_connections_streams_and_workers() {
 async fn an_administrator_collects_and_drains() {
     let folder = tempfile::tempdir().unwrap();
     let retention = Retention { blob_grace_s: 0, ..Retention::default() };
-    let options = Options { retention, workers: 1, ..options(folder.path()) };
+    let options = ServerOptions { retention, workers: 1, ..options(folder.path()) };
     let mut server = Server::start(options).await;
     let admin = As::nobody(&server);
     let ended = server.submit("r-1", "EVENTS 2").await;

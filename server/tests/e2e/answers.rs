@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::dialog_value::Value;
-use counterpoint_server::options::{Options, Quotas};
+use counterpoint_server::options::{Quotas, ServerOptions};
 use tonic_types::StatusExt as _;
 
 use crate::support::*;
@@ -109,7 +109,7 @@ async fn a_refused_answer_asks_again_in_the_stream_of_its_operator() {
 async fn answers_count_against_the_quotas_when_they_arrive() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 150_000, ..Quotas::default() };
-    let server = Server::start(Options { quotas, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { quotas, ..options(folder.path()) }).await;
     let long = || answer(&[("NOTE", Value::Text("x".repeat(60_000)))]);
     let (job, first) = asking(&server, "FORM Form\nFORM Form\nFORM Form").await;
     for question in [first, first + 1] {
@@ -156,7 +156,7 @@ async fn the_answers_of_a_job_have_at_most_4_mib() {
 async fn answers_of_a_paused_job_count_after_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 100_000, ..Quotas::default() };
-    let options = Options { quotas, ..options(folder.path()) };
+    let options = ServerOptions { quotas, ..options(folder.path()) };
     let server = Server::start(options.clone()).await;
     let (job, first) = asking(&server, "FORM Form\nFORM Form").await;
     assert!(give(&server, &job, first, answer(&[("NOTE", Value::Text("x".repeat(60_000)))])).await.unwrap());

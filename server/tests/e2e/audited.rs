@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use serde_json::Value;
 
 use crate::contract::*;
@@ -15,7 +15,7 @@ use crate::support::*;
 const LATHE: &str = "fanuc-2path-lathe";
 
 /// Options of a server with an audit log, and its file.
-pub fn audited(folder: &Path) -> (Options, PathBuf) {
+pub fn audited(folder: &Path) -> (ServerOptions, PathBuf) {
     let mut options = guarded(folder);
     let audit = folder.join("audit.jsonl");
     options.guard.audit = audit.clone();

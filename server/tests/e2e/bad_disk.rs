@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::UNIX_EPOCH;
 
-use counterpoint_server::local::disk::{Faults, Step};
+use counterpoint_server::local::disk::{DiskOperation, Faults};
 
 const PAGE: usize = 4096;
 /// Numbers of the system's errors: I/O error, too many open files, no space left on the device.
@@ -160,7 +160,7 @@ impl State {
 const FOLDER: u128 = u128::MAX;
 
 impl Faults for BadDisk {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
         let mut state = self.state.lock().unwrap();
         state.steps += 1;
         if !state.has_power() {
@@ -168,7 +168,7 @@ impl Faults for BadDisk {
         }
         if state.random.below(1000) < state.permille {
             state.failed += 1;
-            if let Step::Write(length) = step
+            if let DiskOperation::Write(length) = step
                 && state.random.below(2) == 0
             {
                 return Ok(1 + usize::try_from(state.random.below(length as u64)).unwrap());
@@ -176,7 +176,7 @@ impl Faults for BadDisk {
             let number = TROUBLES[usize::try_from(state.random.below(3)).unwrap()];
             return Err(io::Error::from_raw_os_error(number));
         }
-        if step == Step::Sync && self.remembers {
+        if step == DiskOperation::Sync && self.remembers {
             state.synced(path)?;
         }
         Ok(usize::MAX)

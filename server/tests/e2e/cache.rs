@@ -6,15 +6,15 @@ use std::sync::atomic::Ordering;
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
 use counterpoint_server::doctor;
-use counterpoint_server::options::{Maxima, Options, Retention, System};
+use counterpoint_server::options::{Maxima, Retention, ServerOptions, System};
 
 use crate::faults::said;
 use crate::guarded::*;
 use crate::support::*;
 
 /// Options of a server that reuses results for equal jobs.
-pub fn caching(folder: &Path) -> Options {
-    Options { retention: Retention { result_cache: true, ..Retention::default() }, ..options(folder) }
+pub fn caching(folder: &Path) -> ServerOptions {
+    ServerOptions { retention: Retention { result_cache: true, ..Retention::default() }, ..options(folder) }
 }
 
 /// Submits a job and waits for its end.
@@ -153,8 +153,8 @@ async fn a_job_that_differs_or_asks_for_a_run_runs() {
     let maxima = Maxima { max_blocks: 8, ..Maxima::default() };
     let system = System { allow_system: true, ..System::default() };
     for (number, options) in [
-        Options { maxima, ..caching(folder.path()) },
-        Options { system, ..caching(folder.path()) },
+        ServerOptions { maxima, ..caching(folder.path()) },
+        ServerOptions { system, ..caching(folder.path()) },
         options(folder.path()),
     ]
     .into_iter()
@@ -231,7 +231,7 @@ async fn a_damaged_log_is_given_to_no_equal_job() {
 #[tokio::test(flavor = "multi_thread")]
 async fn results_of_a_tenant_are_not_given_to_another() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { retention: Retention::default(), ..guarded(folder.path()) };
+    let options = ServerOptions { retention: Retention::default(), ..guarded(folder.path()) };
     let tokens = ["one", "other"].map(|tenant| grant(&options, "someone", tenant, Role::Submit));
     let server = Server::start(options).await;
     let [one, other] = tokens.map(|token| As::new(&server, &token));

@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Retention, Tenant};
+use counterpoint_server::options::{Retention, ServerOptions, Tenant};
 
 use crate::guarded::*;
 use crate::share::server_until;
@@ -131,7 +131,7 @@ async fn ended_jobs_of_a_migrated_ledger_count() {
     let folder = tempfile::tempdir().unwrap();
     let jobs = folder_1(folder.path()).await;
     let retention = Retention { keep_s: 3600, ..Retention::default() };
-    let server = Server::start(Options { retention, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { retention, ..options(folder.path()) }).await;
     until_listed(&server, &[&jobs["running"], &jobs["queued"]]).await;
     server.stop().await;
 }
@@ -154,7 +154,7 @@ async fn until_listed(server: &Server, expected: &[&String]) {
 #[tokio::test]
 async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never() {
     let folder = tempfile::tempdir().unwrap();
-    let own = |keep_jobs, keep_bytes, keep_s| Options {
+    let own = |keep_jobs, keep_bytes, keep_s| ServerOptions {
         workers: 1,
         retention: Retention { keep_jobs, keep_bytes, keep_s, ..Retention::default() },
         ..options(folder.path())
@@ -231,7 +231,7 @@ async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never
 async fn a_tenant_with_many_ended_jobs_loses_its_own_oldest() {
     let folder = tempfile::tempdir().unwrap();
     let retention = Retention { tenant_keep_jobs: 2, ..Retention::default() };
-    let options = Options { retention, workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { retention, workers: 1, ..guarded(folder.path()) };
     let tokens = ["few", "many"].map(|tenant| grant(&options, tenant, tenant, Role::Submit));
     let server = Server::start(options).await;
     let [few, many] = tokens.map(|token| As::new(&server, &token));
@@ -276,7 +276,7 @@ async fn until_own(caller: &As, expected: &[&String]) {
 async fn a_tenant_beyond_its_bytes_loses_its_own_jobs_that_ended_first_also_after_a_restart() {
     const MACHINE: &str = "fanuc-2path-lathe";
     let folder = tempfile::tempdir().unwrap();
-    let mut options = Options { workers: 2, ..guarded(folder.path()) };
+    let mut options = ServerOptions { workers: 2, ..guarded(folder.path()) };
     let tokens = ["few", "many"].map(|tenant| grant(&options, tenant, tenant, Role::Submit));
     let server = Server::start(options.clone()).await;
     let [few, many] = [0, 1].map(|at: usize| As::new(&server, &tokens[at]));

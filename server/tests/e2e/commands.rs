@@ -4,8 +4,8 @@ use std::path::Path;
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, System};
-use counterpoint_server::runner::Kernel;
+use counterpoint_server::options::{ServerOptions, System};
+use counterpoint_server::runner::KernelRunner;
 use counterpoint_server::service;
 use tonic::Status;
 use tonic::transport::Endpoint;
@@ -50,9 +50,9 @@ async fn run(caller: &As, request_id: &str, machine: &str) -> (v1::JobState, boo
 async fn a_command_runs_only_if_an_administrator_has_put_its_machine_and_the_server_allows_it() {
     for allow_system in [false, true] {
         let folder = tempfile::tempdir().unwrap();
-        let options = Options { system: System { allow_system, ..System::default() }, ..guarded(folder.path()) };
+        let options = ServerOptions { system: System { allow_system, ..System::default() }, ..guarded(folder.path()) };
         let (submit, admin) = (grant(&options, "s", "t", Role::Submit), grant(&options, "a", "t", Role::Admin));
-        let service = service::build_with(options, Kernel::default()).await.unwrap();
+        let service = service::build_with(options, KernelRunner::default()).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
         let connection = Endpoint::from_shared(handle.url()).unwrap().connect().await.unwrap();

@@ -10,8 +10,8 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_server::doctor;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::{Options, Retention};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::{Retention, ServerOptions};
 use tonic::Status;
 
 use crate::support::*;
@@ -101,7 +101,7 @@ async fn a_compacted_ledger_is_smaller_and_has_every_job() {
 async fn a_ledger_with_much_free_space_is_compacted_by_itself() {
     let folder = tempfile::tempdir().unwrap();
     let retention = Retention { compact_bytes: 1 << 20, blob_grace_s: 0, ..Retention::default() };
-    let server = Server::start(Options { retention, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { retention, ..options(folder.path()) }).await;
     let (kept, full) = used(&server, folder.path(), 400).await;
     for _ in 0..2000 {
         let now = folder.path().join("ledger.redb").metadata().unwrap();
@@ -149,18 +149,18 @@ fn copy(from: &Path, to: &Path) {
 }
 
 impl Faults for Troubles {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
-        let of_ledger = path.to_string_lossy().contains("ledger") || step == Step::Sync;
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
+        let of_ledger = path.to_string_lossy().contains("ledger") || step == DiskOperation::Sync;
         match &mut *self.0.lock().unwrap() {
             Trouble::Killed { from, to, copies } if of_ledger => {
                 copy(from, &to.join(copies.to_string()));
                 *copies += 1;
             }
-            Trouble::Fails { left: 0, met } if of_ledger && step != Step::Read && !*met => {
+            Trouble::Fails { left: 0, met } if of_ledger && step != DiskOperation::Read && !*met => {
                 *met = true;
                 return Err(io::Error::from_raw_os_error(5));
             }
-            Trouble::Fails { left, met: false } if of_ledger && step != Step::Read => *left -= 1,
+            Trouble::Fails { left, met: false } if of_ledger && step != DiskOperation::Read => *left -= 1,
             _ => {}
         }
         Ok(usize::MAX)
@@ -168,7 +168,7 @@ impl Faults for Troubles {
 
     fn free(&self) -> Option<u64> {
         let full = matches!(*self.0.lock().unwrap(), Trouble::Full);
-        Some(if full { Options::default().min_free_bytes + 1 } else { 1 << 40 })
+        Some(if full { ServerOptions::default().min_free_bytes + 1 } else { 1 << 40 })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use counterpoint_proto::{DESCRIPTORS, v1};
-use counterpoint_server::options::{Connections, Options};
+use counterpoint_server::options::{Connections, ServerOptions};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio_stream::wrappers::ReceiverStream;
@@ -29,7 +29,7 @@ async fn closed(stream: &mut TcpStream) -> Vec<u8> {
 #[tokio::test]
 async fn a_peer_that_never_speaks_or_only_begins_to_is_let_go() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { preface_s: 1, ..Connections::default() },
         ..options(folder.path())
     })
@@ -46,7 +46,7 @@ async fn a_peer_that_never_speaks_or_only_begins_to_is_let_go() {
 #[tokio::test]
 async fn a_connection_without_calls_is_let_go_and_one_with_a_watch_is_not() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { idle_s: 1, ..Connections::default() },
         ..options(folder.path())
     })
@@ -70,7 +70,7 @@ async fn a_connection_without_calls_is_let_go_and_one_with_a_watch_is_not() {
 async fn connections_are_limited_per_address_and_a_place_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     // One for the client of the test.
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { max_connections_per_address: 3, ..Connections::default() },
         ..options(folder.path())
     })
@@ -96,7 +96,7 @@ async fn connections_are_limited_per_address_and_a_place_comes_back() {
 #[tokio::test]
 async fn a_call_whose_request_stands_still_is_ended() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { upload_stall_s: 1, ..Connections::default() },
         ..options(folder.path())
     })
@@ -124,7 +124,7 @@ async fn a_call_whose_request_stands_still_is_ended() {
 #[tokio::test]
 async fn an_upload_that_stands_still_is_ended() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { upload_stall_s: 1, ..Connections::default() },
         ..options(folder.path())
     })
@@ -142,7 +142,7 @@ async fn an_upload_that_stands_still_is_ended() {
 #[tokio::test]
 async fn uploads_of_a_connection_are_limited() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         connections: Connections { max_uploads_per_connection: 2, ..Connections::default() },
         ..options(folder.path())
     })

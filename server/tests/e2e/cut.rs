@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::Options;
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::ServerOptions;
 use tokio::sync::Notify;
 
 use crate::audited::{all_lines, audited, lines};
@@ -24,9 +24,9 @@ struct Gate {
 }
 
 impl Faults for Gate {
-    fn before(&self, step: Step, _path: &Path) -> std::io::Result<usize> {
+    fn before(&self, step: DiskOperation, _path: &Path) -> std::io::Result<usize> {
         let mut closed = self.closed.lock().unwrap();
-        while step == Step::Sync && *closed {
+        while step == DiskOperation::Sync && *closed {
             self.held.notify_one();
             closed = self.opened.wait(closed).unwrap();
         }
@@ -49,7 +49,7 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
-    pub(crate) async fn start(options: Options, token: &str) -> Self {
+    pub(crate) async fn start(options: ServerOptions, token: &str) -> Self {
         let gate = Arc::new(Gate::default());
         let server = Server::start_on(options, Disk::faulty(gate.clone())).await;
         let caller = As::new(&server, token);
@@ -119,7 +119,7 @@ impl Cut {
 async fn a_change_whose_client_leaves_is_made_whole_and_noted_with_its_job() {
     let folder = tempfile::tempdir().unwrap();
     let (options, audit) = audited(folder.path());
-    let options = Options { workers: 1, ..options };
+    let options = ServerOptions { workers: 1, ..options };
     let token = grant(&options, "one", "one", Role::Operate);
     let cut = Cut::start(options.clone(), &token).await;
     let plain = v1::JobOptions::default;
@@ -196,7 +196,7 @@ async fn the_audit_log_names_each_change_before_it_is_made() {
     let folder = tempfile::tempdir().unwrap();
     let (options, audit) = audited(folder.path());
     let token = grant(&options, "one", "one", Role::Operate);
-    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let cut = Cut::start(ServerOptions { workers: 1, ..options }, &token).await;
     let plain = v1::JobOptions::default;
     let running = cut.submit("running", "EVENTS 9\nHANG", plain()).await;
     cut.until(&running, |status| status.state() == v1::JobState::Running).await;
@@ -246,7 +246,7 @@ async fn a_change_whose_deadline_passes_is_made_whole_and_noted_with_its_job() {
     let (mut options, audit) = audited(folder.path());
     options.guard.grpc_web = true;
     let token = grant(&options, "one", "one", Role::Operate);
-    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let cut = Cut::start(ServerOptions { workers: 1, ..options }, &token).await;
     let plain = v1::JobOptions::default;
     let running = cut.submit("running", "EVENTS 9\nHANG", plain()).await;
     cut.until(&running, |status| status.state() == v1::JobState::Running).await;
@@ -291,7 +291,7 @@ async fn a_watch_shows_a_cancel_whose_run_has_not_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let options = guarded(folder.path());
     let token = grant(&options, "one", "one", Role::Operate);
-    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let cut = Cut::start(ServerOptions { workers: 1, ..options }, &token).await;
     let running = cut.submit("running", "EVENTS 9\nHANG", v1::JobOptions::default()).await;
     cut.until(&running, |status| status.state() == v1::JobState::Running).await;
     let request = v1::WatchJobRequest { job_id: running.clone(), heartbeat_ms: 100, ..Default::default() };

@@ -6,7 +6,7 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_proto::v1::watch_questions_response::Content as Heard;
-use counterpoint_server::options::{Options, System};
+use counterpoint_server::options::{ServerOptions, System};
 use tonic::Streaming;
 
 use crate::support::*;
@@ -62,7 +62,7 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
         let folder = tempfile::tempdir().unwrap();
         let patient = |operator_wait_s| {
             let system = System { operator_wait_s, ..System::default() };
-            Options { system, ..options(folder.path()) }
+            ServerOptions { system, ..options(folder.path()) }
         };
         let mut server = Server::start(patient(3)).await;
         let job = attended(&server, "fanuc-2path-lathe", "ASK One\nASK Two\nHANG\nASK Three").await;
@@ -96,7 +96,7 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
 async fn a_question_that_expires_is_closed_as_such_and_an_answered_one_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let system = System { operator_wait_s: 1, ..System::default() };
-    let server = Server::start(Options { system, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { system, ..options(folder.path()) }).await;
     let job = attended(&server, "fanuc-2path-lathe", "ASK One\nASK Two\nHANG").await;
     let mut heard = questions(&server, &job).await;
     let mut closed = Vec::new();
@@ -131,7 +131,7 @@ async fn a_job_that_waits_for_an_answer_at_its_deadline_names_the_dialog() {
 }
 
 /// A server on the real emulator, with a machine whose tool change asks the operator after a message.
-async fn asking_machine(options: Options) -> Server {
+async fn asking_machine(options: ServerOptions) -> Server {
     const MACHINE: &str = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[macros]\ntool = \"t.mac\"\n\
         [[dialogs]]\nname = \"ask\"\ntitle = \"Ask\"\n[[dialogs.buttons]]\nlabel = \"OK\"\ntype = \"ok\"\n";
     const TOOL: &str = "OUTPUT\nIF/$P1.EQ.2\nPPRINT/'before !(*)',$P3\nBUTTON=$FDIALOG('ask')\n\
@@ -193,7 +193,7 @@ async fn events_before_a_question_are_delivered_while_the_question_is_open() {
 async fn a_dialog_that_was_declined_or_expired_is_reported_as_such() {
     let folder = tempfile::tempdir().unwrap();
     let system = System { operator_wait_s: 1, ..System::default() };
-    let server = asking_machine(Options { system, ..options(folder.path()) }).await;
+    let server = asking_machine(ServerOptions { system, ..options(folder.path()) }).await;
     let job = attended(&server, "own", "O1\nG90 G94 F100 S500 M3\nT3 M6\nT4 M6\nM30\n").await;
     let mut heard = questions(&server, &job).await;
     assert_eq!(question(&mut heard).await.0, 1);

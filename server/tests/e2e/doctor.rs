@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use counterpoint_proto::v1;
-use counterpoint_server::doctor::{Damage, examine};
+use counterpoint_server::doctor::{DoctorFinding, examine};
 use counterpoint_server::service;
 use redb::{ReadableTable as _, TableDefinition};
 
@@ -46,7 +46,7 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     all
 }
 
-fn one<'a>(found: &'a [Damage], path: &Path, what: &str) -> &'a Damage {
+fn one<'a>(found: &'a [DoctorFinding], path: &Path, what: &str) -> &'a DoctorFinding {
     let all: Vec<_> = found.iter().filter(|damage| damage.path == path && damage.what.contains(what)).collect();
     assert_eq!(all.len(), 1, "{what} of {}: {found:#?}", path.display());
     all[0]
@@ -149,7 +149,7 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
     let found = examine(data, false).unwrap();
     assert!(contents(data) == before, "an examination changes nothing");
     assert!(found.iter().all(|damage| !damage.repaired), "{found:#?}");
-    let lasting = |found: &[Damage]| {
+    let lasting = |found: &[DoctorFinding]| {
         let cut = one(found, &log(0), "damaged");
         assert!(cut.remedy == "delete the damaged job" && cut.what.matches("submit the job again").count() == 1);
         one(found, &log(1), "gone");
@@ -158,7 +158,7 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
         one(found, &blob(data, "EVENTS 20000"), "gone");
     };
     lasting(&found);
-    let mendable = |found: &[Damage], repaired: bool| {
+    let mendable = |found: &[DoctorFinding], repaired: bool| {
         for (path, what) in [
             (&ledger, jobs[4].as_str()),
             (&ledger, "request id 'stray'"),

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_server::doctor;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
 
 use crate::faults::{Said, said, submission};
 use crate::support::*;
@@ -33,10 +33,10 @@ enum Trouble {
 
 impl Trouble {
     /// Whether it can meet a step; reading is never met.
-    fn meets(self, step: Step) -> bool {
+    fn meets(self, step: DiskOperation) -> bool {
         match self {
-            Self::NoSpace | Self::Input => step != Step::Read,
-            Self::Short | Self::Torn => matches!(step, Step::Write(length) if length > 1),
+            Self::NoSpace | Self::Input => step != DiskOperation::Read,
+            Self::Short | Self::Torn => matches!(step, DiskOperation::Write(length) if length > 1),
         }
     }
 }
@@ -48,7 +48,7 @@ struct State {
     armed: bool,
     /// The next step fails.
     torn: bool,
-    met: Option<Step>,
+    met: Option<DiskOperation>,
 }
 
 /// A disk with one trouble at one step.
@@ -64,16 +64,16 @@ impl OneFault {
     }
 
     /// The step that was met, if one was.
-    fn disarm(&self) -> Option<Step> {
+    fn disarm(&self) -> Option<DiskOperation> {
         std::mem::take(&mut *self.state.lock().unwrap()).met
     }
 }
 
 impl Faults for OneFault {
-    fn before(&self, step: Step, _path: &Path) -> io::Result<usize> {
+    fn before(&self, step: DiskOperation, _path: &Path) -> io::Result<usize> {
         let mut state = self.state.lock().unwrap();
         let no_space = || io::Error::from_raw_os_error(28);
-        if step != Step::Read && std::mem::take(&mut state.torn) {
+        if step != DiskOperation::Read && std::mem::take(&mut state.torn) {
             return Err(no_space());
         }
         if !state.armed || !self.trouble.meets(step) {
@@ -87,7 +87,7 @@ impl Faults for OneFault {
         state.met = Some(step);
         match (self.trouble, step) {
             (Trouble::Input, _) => Err(io::Error::from_raw_os_error(5)),
-            (Trouble::Short | Trouble::Torn, Step::Write(length)) => {
+            (Trouble::Short | Trouble::Torn, DiskOperation::Write(length)) => {
                 state.torn = self.trouble == Trouble::Torn;
                 Ok(length / 2)
             }

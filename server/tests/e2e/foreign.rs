@@ -2,7 +2,7 @@
 
 use counterpoint_proto::{DESCRIPTORS, v1};
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use prost::Message as _;
 use tonic::Code;
 
@@ -124,7 +124,7 @@ async fn finds_nothing(other: &As, jobs: &Jobs) {
 async fn a_job_of_another_tenant_is_not_there_for_any_call() {
     let folder = tempfile::tempdir().unwrap();
     // The job that is held back finds no worker, so its state no longer changes.
-    let options = Options { workers: 3, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 3, ..guarded(folder.path()) };
     let tokens = ["one", "other"].map(|tenant| grant(&options, "admin", tenant, Role::Admin));
     let server = Server::start(options).await;
     let [owner, other] = tokens.map(|token| As::new(&server, &token));

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::{Role, token};
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::{Guard, Options, System};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::{Guard, ServerOptions, System};
 use counterpoint_server::service;
 use serde_json::Value;
 use tonic::{Code, Status};
@@ -23,7 +23,7 @@ use crate::support::*;
 #[tokio::test]
 async fn an_address_that_strangers_can_reach_needs_tls_and_identities() {
     let folder = tempfile::tempdir().unwrap();
-    let open = |guard: Guard| Options { listen: "0.0.0.0:0".parse().unwrap(), guard, ..guarded(folder.path()) };
+    let open = |guard: Guard| ServerOptions { listen: "0.0.0.0:0".parse().unwrap(), guard, ..guarded(folder.path()) };
     let access = guarded(folder.path()).guard;
     for guard in [Guard::default(), access.clone()] {
         let error = service::build(open(guard)).await.unwrap_err().to_string();
@@ -306,8 +306,8 @@ struct Waited {
 }
 
 impl Faults for Waited {
-    fn before(&self, step: Step, _: &Path) -> std::io::Result<usize> {
-        if step == Step::Sync && self.blocked.load(Ordering::SeqCst) {
+    fn before(&self, step: DiskOperation, _: &Path) -> std::io::Result<usize> {
+        if step == DiskOperation::Sync && self.blocked.load(Ordering::SeqCst) {
             self.waiting.fetch_add(1, Ordering::SeqCst);
             while self.blocked.load(Ordering::SeqCst) {
                 std::thread::sleep(Duration::from_millis(1));
@@ -398,7 +398,7 @@ async fn only_machines_that_an_administrator_has_put_there_may_start_commands() 
     for allow_system in [false, true] {
         let data = folder.path().join(allow_system.to_string());
         std::fs::create_dir(&data).unwrap();
-        let options = Options { system: System { allow_system, ..System::default() }, ..guarded(&data) };
+        let options = ServerOptions { system: System { allow_system, ..System::default() }, ..guarded(&data) };
         let (submit, admin) = (grant(&options, "s", "t", Role::Submit), grant(&options, "a", "t", Role::Admin));
         let server = Server::start(options).await;
         let (submit, admin) = (As::new(&server, &submit), As::new(&server, &admin));

@@ -10,7 +10,7 @@ use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
 use counterpoint_server::access::{Role, edit, token};
-use counterpoint_server::options::{Guard, Options};
+use counterpoint_server::options::{Guard, ServerOptions};
 use tonic::service::interceptor::InterceptedService;
 use tonic::transport::Channel;
 use tonic::{Request, Status};
@@ -140,14 +140,14 @@ impl As {
 }
 
 /// Options of a guarded server, and a file of identities that is still empty.
-pub fn guarded(folder: &Path) -> Options {
+pub fn guarded(folder: &Path) -> ServerOptions {
     let access = folder.join("access.toml");
     std::fs::write(&access, "").unwrap();
-    Options { guard: Guard { access, ..Guard::default() }, ..options(&folder.join("data")) }
+    ServerOptions { guard: Guard { access, ..Guard::default() }, ..options(&folder.join("data")) }
 }
 
 /// A new token in the file of identities.
-pub fn grant(options: &Options, name: &str, tenant: &str, role: Role) -> String {
+pub fn grant(options: &ServerOptions, name: &str, tenant: &str, role: Role) -> String {
     let (token, row) = token::create(name, tenant, role, None).unwrap();
     edit::add_row(&options.guard.access, &row).unwrap();
     token

@@ -10,8 +10,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_server::doctor::examine_on;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::{Options, Retention};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::{Retention, ServerOptions};
 use redb::{ReadableDatabase as _, ReadableTable as _, TableDefinition};
 use rustix::process::{Pid, Resource, Rlimit, getuid, prlimit};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -32,7 +32,7 @@ fn now_ms() -> u64 {
 async fn after_a_clock_that_was_set_back_jobs_end_at_the_right_time_and_grow_old() {
     let folder = tempfile::tempdir().unwrap();
     let retention = Retention { keep_s: 2, ..Retention::default() };
-    let options = Options { retention, ..options(folder.path()) };
+    let options = ServerOptions { retention, ..options(folder.path()) };
     let server = Server::start(options.clone()).await;
     server.stop().await;
     let ahead = now_ms() + 40 * 365 * 24 * HOUR_MS;
@@ -69,7 +69,7 @@ async fn after_a_clock_that_was_set_back_jobs_end_at_the_right_time_and_grow_old
 async fn no_job_is_removed_because_of_a_clock_that_has_just_jumped_ahead() {
     let folder = tempfile::tempdir().unwrap();
     let retention = Retention { keep_s: 24 * 3600, ..Retention::default() };
-    let options = Options { retention, ..options(folder.path()) };
+    let options = ServerOptions { retention, ..options(folder.path()) };
     let server = Server::start(options.clone()).await;
     let job = server.submit("old", "EVENTS 1").await;
     server.wait(&job).await;
@@ -211,9 +211,9 @@ async fn a_file_that_cannot_be_used_is_named_and_is_no_damage() {
 struct Refusing(std::io::ErrorKind);
 
 impl Faults for Refusing {
-    fn before(&self, step: Step, _path: &Path) -> std::io::Result<usize> {
+    fn before(&self, step: DiskOperation, _path: &Path) -> std::io::Result<usize> {
         match step {
-            Step::Write(_) | Step::Resize(_) => Err(self.0.into()),
+            DiskOperation::Write(_) | DiskOperation::Resize(_) => Err(self.0.into()),
             _ => Ok(usize::MAX),
         }
     }

@@ -13,7 +13,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use counterpoint_server::service;
 use tonic::transport::{Channel, Endpoint};
 
@@ -40,7 +40,7 @@ fn patient() -> Maxima {
 async fn serve() {
     let (Ok(folder), Ok(faults)) = (std::env::var(FOLDER), std::env::var(FAULTS)) else { return };
     let disk = Arc::new(BadDisk::new(std::process::id().into(), false));
-    let options = Options { queue: 100_000, maxima: patient(), ..caching(Path::new(&folder)) };
+    let options = ServerOptions { queue: 100_000, maxima: patient(), ..caching(Path::new(&folder)) };
     let service = service::build_on(options, Script::default(), Disk::faulty(disk.clone())).await.unwrap();
     disk.fail(faults.parse().unwrap());
     println!("\nlistening on {}", service.handle().url());
@@ -147,7 +147,7 @@ async fn kill(kills: u64, permille: u64) {
         }
     }
     let (killed, accepted) = (begin.elapsed(), accepted.lock().unwrap().clone());
-    let server = Server::start(Options { queue: 100_000, maxima: patient(), ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { queue: 100_000, maxima: patient(), ..options(folder.path()) }).await;
     let mut expected = Vec::new();
     for (number, script) in SCRIPTS.iter().enumerate() {
         let job = server.submit(&format!("again-{number}"), script).await;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use tonic::Code;
 
 use crate::support::*;
@@ -42,7 +42,7 @@ async fn every_end_has_its_state_and_the_server_lives_on() {
 #[tokio::test]
 async fn running_and_queued_jobs_can_be_cancelled_and_deleted() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let running = server.submit("r-1", "EVENTS 5\nHANG").await;
     let queued = server.submit("r-2", "EVENTS 5").await;
     server.until_events(&running, 5).await;
@@ -66,7 +66,7 @@ async fn running_and_queued_jobs_can_be_cancelled_and_deleted() {
 #[tokio::test]
 async fn a_job_that_is_being_prepared_can_be_cancelled_and_drained() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let job = server.submit("r-1", "SLOW").await;
     server.until(&job, v1::JobState::Running).await;
     server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
@@ -97,7 +97,7 @@ pub fn copy(from: &Path, to: &Path) {
 #[tokio::test]
 async fn what_a_killed_server_left_unfinished_is_run_again() {
     let (folder, after) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let done = server.submit("done", "EVENTS 50").await;
     server.wait(&done).await;
     let running = server.submit("running", "EVENTS 300\nHANG\nEVENTS 300").await;
@@ -138,7 +138,8 @@ async fn a_job_that_takes_the_server_down_is_given_up() {
     let data = after.path().join("data");
     copy(folder.path(), &data);
     server.stop().await;
-    let server = Server::start(Options { maxima: Maxima { attempts: 1, ..Maxima::default() }, ..options(&data) }).await;
+    let server =
+        Server::start(ServerOptions { maxima: Maxima { attempts: 1, ..Maxima::default() }, ..options(&data) }).await;
     let status = server.wait(&job).await;
     assert_eq!(status.state(), v1::JobState::Failed);
     assert!(status.error.starts_with("poison"), "{}", status.error);
@@ -188,7 +189,7 @@ async fn a_drain_ends_in_time_with_cursor_and_the_job_runs_again() {
 #[tokio::test]
 async fn a_draining_server_refuses_jobs_and_says_so_in_its_health() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { grace_s: 5, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { grace_s: 5, ..options(folder.path()) }).await;
     let job = server.submit("r", "HANG").await;
     server.until(&job, v1::JobState::Running).await;
     let request = server.request("r-2", "EVENTS 1").await;

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::Options;
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::ServerOptions;
 use tonic::transport::Endpoint;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
@@ -23,8 +23,8 @@ use crate::support::*;
 pub struct Blocked(pub AtomicBool);
 
 impl Faults for Blocked {
-    fn before(&self, step: Step, _: &Path) -> std::io::Result<usize> {
-        while step == Step::Sync && self.0.load(Ordering::SeqCst) {
+    fn before(&self, step: DiskOperation, _: &Path) -> std::io::Result<usize> {
+        while step == DiskOperation::Sync && self.0.load(Ordering::SeqCst) {
             std::thread::sleep(Duration::from_millis(1));
         }
         Ok(usize::MAX)
@@ -38,7 +38,7 @@ async fn two(folder: &Path, per_s: u32) -> (Server, As, As) {
 
 pub async fn two_on(folder: &Path, per_s: u32, disk: Disk) -> (Server, As, As) {
     // A flood of submits fits into the queue.
-    let mut options = Options { workers: 1, queue: 10_000, ..guarded(folder) };
+    let mut options = ServerOptions { workers: 1, queue: 10_000, ..guarded(folder) };
     options.guard.max_calls_per_s = per_s;
     options.connections.metrics = "127.0.0.1:0".into();
     let tokens = [grant(&options, "noisy", "noisy", Role::Submit), grant(&options, "quiet", "quiet", Role::Submit)];

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use tonic::Code;
 use tonic_types::StatusExt as _;
 
@@ -28,8 +28,11 @@ async fn summary(server: &Server, job: &str) -> serde_json::Value {
 #[tokio::test]
 async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let settings =
-        || Options { workers: 1, maxima: Maxima { max_wall_ms: 300, ..Maxima::default() }, ..options(folder.path()) };
+    let settings = || ServerOptions {
+        workers: 1,
+        maxima: Maxima { max_wall_ms: 300, ..Maxima::default() },
+        ..options(folder.path())
+    };
     let server = Server::start(settings()).await;
     let forever = v1::JobLimits { wall_ms: 1 << 63, ..Default::default() };
     let asked = v1::JobLimits { wall_ms: 50, ..Default::default() };
@@ -59,7 +62,7 @@ async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
 #[tokio::test]
 async fn a_job_that_fills_the_disk_is_stopped_by_its_bytes() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         maxima: Maxima { max_job_bytes: 1 << 20, ..Maxima::default() },
         ..options(folder.path())
     })
@@ -94,7 +97,7 @@ async fn the_owner_of_the_server_sets_the_maxima() {
         max_macro_steps: 19,
         ..Maxima::default()
     };
-    let settings = Options { maxima, ..options(folder.path()) };
+    let settings = ServerOptions { maxima, ..options(folder.path()) };
     let server = Server::start(settings.clone()).await;
     let all = v1::JobLimits {
         simulated_ns: i64::MAX,
@@ -117,7 +120,7 @@ async fn the_owner_of_the_server_sets_the_maxima() {
     assert_eq!((limits.memory, limits.macro_steps), (18, 19));
     server.stop().await;
     // Other maxima do not make another job of the same request.
-    let server = Server::start(Options { maxima: Maxima { max_blocks: 5, ..settings.maxima }, ..settings }).await;
+    let server = Server::start(ServerOptions { maxima: Maxima { max_blocks: 5, ..settings.maxima }, ..settings }).await;
     let again = submit_limited(&server, "r", "EVENTS 1", all).await;
     assert_eq!(again, job);
     server.script.hang.store(false, Ordering::SeqCst);
@@ -127,7 +130,7 @@ async fn the_owner_of_the_server_sets_the_maxima() {
 #[tokio::test]
 async fn one_large_blob_under_many_names_is_no_machine() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         maxima: Maxima { max_machine_bytes: 10_000, ..Maxima::default() },
         ..options(folder.path())
     })
@@ -187,7 +190,7 @@ async fn a_job_that_takes_more_memory_than_its_budget_fails_alone() {
 #[tokio::test]
 async fn requests_beyond_the_memory_budget_are_refused_and_fit_again_when_jobs_have_ended() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options {
+    let server = Server::start(ServerOptions {
         maxima: Maxima { memory_bytes: 100_000, ..Maxima::default() },
         workers: 1,
         ..options(folder.path())

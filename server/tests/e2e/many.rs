@@ -3,7 +3,7 @@
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::JobState::{Cancelled, Failed, Paused, Queued, Running, Succeeded};
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use tonic::Code;
 use tonic_types::StatusExt as _;
 
@@ -44,7 +44,7 @@ async fn pause(server: &Server, job: &str) {
 #[tokio::test]
 async fn jobs_that_are_held_back_are_found_and_cancelled_by_that() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let running = server.submit("running", "EVENTS 5\nHANG").await;
     server.until_events(&running, 5).await;
     let [held, waiting, other] = [
@@ -81,7 +81,7 @@ async fn jobs_that_are_held_back_are_found_and_cancelled_by_that() {
 #[tokio::test]
 async fn ended_jobs_are_deleted_by_filter_and_others_stay() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let good = server.submit("good", "EVENTS 1").await;
     let bad = server.submit("bad", "ALARM").await;
     server.wait(&good).await;
@@ -167,7 +167,7 @@ async fn a_call_for_many_jobs_reaches_those_of_its_tenant_and_the_audit_log_name
 #[tokio::test(flavor = "multi_thread")]
 async fn two_calls_at_the_same_time_cancel_each_job_once() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let running = server.submit("running", "EVENTS 5\nHANG").await;
     server.until_events(&running, 5).await;
     let mut jobs = Vec::new();

@@ -1,7 +1,7 @@
 //! Messages of refusals: each says what to do, and names the option that sets a limit.
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::{Maxima, Options, Quotas};
+use counterpoint_server::options::{Maxima, Quotas, ServerOptions};
 use counterpoint_server::service;
 use tonic::Status;
 
@@ -24,7 +24,7 @@ async fn submit_programs(server: &Server, count: usize) -> Status {
 async fn a_limit_on_a_list_names_its_option() {
     let folder = tempfile::tempdir().unwrap();
     let maxima = Maxima { max_files: 3, max_programs: 2, ..Maxima::default() };
-    let server = Server::start(Options { maxima, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { maxima, ..options(folder.path()) }).await;
     for (count, field, option) in [(4, "files", "max_files"), (3, "programs", "max_programs")] {
         let refused = submit_programs(&server, count).await;
         let text = refused.message();
@@ -42,7 +42,7 @@ async fn a_limit_on_a_list_names_its_option() {
 #[tokio::test]
 async fn a_full_queue_names_its_option_and_asks_to_submit_later() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, queue: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, queue: 1, ..options(folder.path()) }).await;
     let running = server.submit("running", "HANG").await;
     server.until(&running, v1::JobState::Running).await;
     let mut waiting = 0;
@@ -65,7 +65,7 @@ async fn a_full_queue_names_its_option_and_asks_to_submit_later() {
 async fn a_content_beyond_the_whole_quota_is_told_from_one_that_fits_later() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 2000, ..Quotas::default() };
-    let server = Server::start(Options { quotas, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { quotas, ..options(folder.path()) }).await;
     server.upload(&[b'x'; 1500]).await;
     let put = async |length: usize| {
         let refused =
@@ -102,7 +102,7 @@ async fn a_chunk_that_is_too_large_is_refused_with_the_remedy_for_its_call() {
 #[tokio::test]
 async fn a_job_that_was_cancelled_while_it_waited_has_no_results_whether_it_had_run_or_not() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let job_id = server.submit("paused", "EVENTS 5\nHANG").await;
     server.until_events(&job_id, 5).await;
     server.jobs().pause_job(v1::PauseJobRequest { job_id: job_id.clone() }).await.unwrap();
@@ -120,10 +120,10 @@ async fn an_address_that_cannot_be_used_is_reported_with_its_option() {
     let folder = tempfile::tempdir().unwrap();
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap();
-    let refused = async |options: Options| service::build(options).await.map(drop).unwrap_err().to_string();
+    let refused = async |options: ServerOptions| service::build(options).await.map(drop).unwrap_err().to_string();
     let mut metrics = options(&folder.path().join("metrics"));
     metrics.connections.metrics = address.to_string();
-    let listen = Options { listen: address, ..options(&folder.path().join("listen")) };
+    let listen = ServerOptions { listen: address, ..options(&folder.path().join("listen")) };
     for (options, name) in [(metrics, "metrics"), (listen, "listen")] {
         let text = refused(options).await;
         assert!(text.contains(&format!("cannot listen on {address} (option {name})")), "{text}");

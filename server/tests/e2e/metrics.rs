@@ -1,8 +1,8 @@
 //! The data of monitoring.
 
 use counterpoint_proto::v1;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::Options;
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::ServerOptions;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,8 +12,8 @@ use tokio::net::TcpStream;
 
 use crate::support::*;
 
-fn seen(folder: &Path) -> Options {
-    let mut options = Options { workers: 1, ..options(folder) };
+fn seen(folder: &Path) -> ServerOptions {
+    let mut options = ServerOptions { workers: 1, ..options(folder) };
     options.connections.metrics = "127.0.0.1:0".into();
     options
 }
@@ -81,7 +81,7 @@ async fn metrics_follow_jobs_calls_and_watches() {
 struct Full(AtomicBool);
 
 impl Faults for Full {
-    fn before(&self, _: Step, _: &Path) -> std::io::Result<usize> {
+    fn before(&self, _: DiskOperation, _: &Path) -> std::io::Result<usize> {
         Ok(usize::MAX)
     }
 

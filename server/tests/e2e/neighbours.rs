@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use counterpoint_proto::v1;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 
 use crate::guarded::*;
 use crate::limited::two_on;
@@ -87,7 +87,7 @@ async fn submits_of_a_tenant_beside_an_idle_neighbour() {
 #[ignore = "a measurement"]
 async fn a_tiny_job_of_a_late_tenant_beside_eight_busy_tenants() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(folder.path()) };
     let names = ["macros", "long", "c", "d", "e", "f", "g", "h", "late"];
     let (server, [macros, long, others @ .., late]) = Real::start(options, names).await;
     put_spin(&macros).await;

@@ -4,7 +4,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::{Options, Quotas, System};
+use counterpoint_server::options::{Quotas, ServerOptions, System};
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::support::*;
@@ -89,7 +89,7 @@ async fn a_job_whose_dialog_is_open_waits_for_an_answer() {
 async fn a_job_that_stands_waits_for_a_command() {
     let data = tempfile::tempdir().unwrap();
     let system = System { operator_wait_s: 600, ..System::default() };
-    let server = Server::start(Options { system, ..options(data.path()) }).await;
+    let server = Server::start(ServerOptions { system, ..options(data.path()) }).await;
     let job = submit(&server, "STEP a\nHANG", v1::JobOptions { stepped: true, ..Default::default() }).await;
     let wait = until_it_waits(&server, &job).await;
     assert_eq!(wait.action(), v1::OperatorAction::Command);
@@ -166,7 +166,7 @@ async fn until_it_waits_for_a_worker(server: &Server, job: &str) -> v1::WorkerWa
 #[tokio::test(flavor = "multi_thread")]
 async fn a_queued_job_says_that_jobs_which_wait_for_a_client_hold_all_workers() {
     let data = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(data.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(data.path()) }).await;
     let attended = v1::JobOptions { attended: true, ..Default::default() };
     let asks = submit(&server, "ASK Clamp", attended).await;
     until_it_waits(&server, &asks).await;
@@ -187,7 +187,7 @@ async fn a_queued_job_says_that_jobs_which_wait_for_a_client_hold_all_workers() 
 async fn a_queued_job_says_that_its_tenant_has_all_workers_of_its_quota() {
     let data = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_running: 1, ..Quotas::default() };
-    let server = Server::start(Options { workers: 4, quotas, ..options(data.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 4, quotas, ..options(data.path()) }).await;
     let hangs = server.submit("hangs", "HANG").await;
     server.until(&hangs, v1::JobState::Running).await;
     let job = server.submit("queued", "EVENTS 3").await;

@@ -2,11 +2,11 @@
 
 #[cfg(feature = "otlp")]
 use collector::*;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 
 use crate::support::*;
 
-fn traced(folder: &std::path::Path, endpoint: &str) -> Options {
+fn traced(folder: &std::path::Path, endpoint: &str) -> ServerOptions {
     let mut options = options(folder);
     options.connections.otlp = endpoint.into();
     options

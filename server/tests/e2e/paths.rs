@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use counterpoint_proto::v1;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
 use prost::Message;
 use tonic::Status;
 
@@ -14,14 +14,14 @@ use crate::faults::submission;
 use crate::support::*;
 
 /// Whether a step fails.
-type Fails = fn(Step) -> bool;
+type Fails = fn(DiskOperation) -> bool;
 
 /// A disk on which steps of one kind fail, with errors that name the file.
 #[derive(Default)]
 struct Telling(Mutex<Option<Fails>>);
 
 impl Faults for Telling {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
         match *self.0.lock().unwrap() {
             Some(fails) if fails(step) => {
                 Err(io::Error::other(format!("input/output error at path \"{}\"", path.display())))
@@ -137,11 +137,11 @@ async fn no_error_names_a_place_on_the_server() {
     }
     let mut check = PathCheck { folder: data.clone(), refused: 0 };
     let kinds: [Fails; 5] = [
-        |step| step == Step::Read,
-        |step| matches!(step, Step::Create),
-        |step| matches!(step, Step::Write(_)),
-        |step| matches!(step, Step::Sync),
-        |step| matches!(step, Step::Place),
+        |step| step == DiskOperation::Read,
+        |step| matches!(step, DiskOperation::Create),
+        |step| matches!(step, DiskOperation::Write(_)),
+        |step| matches!(step, DiskOperation::Sync),
+        |step| matches!(step, DiskOperation::Place),
     ];
     for (round, fails) in kinds.into_iter().enumerate() {
         *faults.0.lock().unwrap() = Some(fails);

@@ -5,7 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 
 use crate::support::*;
 
@@ -24,7 +24,7 @@ async fn resume(server: &Server, job: &str) -> v1::JobStatus {
 #[tokio::test]
 async fn a_paused_run_frees_its_worker_and_its_watch_continues_after_the_resume() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let job = server.submit("paused", "EVENTS 500\nHANG\nEVENTS 500").await;
     let mut watch = server.watch(&job, 0, v1::WatchLevel::Everything).await;
     let mut seen = 0;
@@ -63,7 +63,7 @@ async fn a_paused_run_frees_its_worker_and_its_watch_continues_after_the_resume(
 #[tokio::test]
 async fn a_paused_job_survives_a_restart_and_waits_until_it_is_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let running = server.submit("running", "EVENTS 5\nHANG").await;
     server.until_events(&running, 5).await;
     let waiting = server.submit("waiting", "EVENTS 7").await;
@@ -88,7 +88,7 @@ async fn a_paused_job_survives_a_restart_and_waits_until_it_is_resumed() {
 #[tokio::test]
 async fn a_paused_job_can_be_cancelled_and_ends_at_its_deadline() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis();
     let request = server.request("late", "EVENTS 5\nHANG").await;
     let request = v1::SubmitJobRequest { deadline_ms: i64::try_from(now).unwrap() + 1500, ..request };
@@ -112,7 +112,7 @@ async fn a_paused_job_can_be_cancelled_and_ends_at_its_deadline() {
 #[tokio::test]
 async fn a_job_that_waits_again_has_no_start() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let [first, second] = [server.submit("first", "EVENTS 5\nHANG").await, server.submit("second", "HANG").await];
     server.until_events(&first, 5).await;
     assert!(server.status(&first).await.started_ms > 0);
@@ -127,7 +127,7 @@ async fn a_job_that_waits_again_has_no_start() {
 
     assert!(server.status(&second).await.started_ms > 0);
     server.stop().await;
-    let server = Server::start(Options { min_free_bytes: u64::MAX, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { min_free_bytes: u64::MAX, ..options(folder.path()) }).await;
     let status = server.status(&second).await;
     assert_eq!((status.state(), status.started_ms), (v1::JobState::Queued, 0), "no run starts on a full disk");
     server.stop().await;
@@ -138,7 +138,7 @@ async fn a_job_that_waits_again_has_no_start() {
 #[tokio::test]
 async fn a_watch_of_an_earlier_run_is_given_the_end_of_a_shorter_one() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let mut ended = Vec::new();
     for resumed in [false, true] {
         let job = server.submit(&format!("resumed-{resumed}"), "PACED 4000").await;

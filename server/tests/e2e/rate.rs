@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use bytes::Buf as _;
 use counterpoint_proto::v1;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use tonic::Status;
 use tonic::client::Grpc;
 use tonic::codec::{Codec, DecodeBuf, Decoder, EncodeBuf, Encoder};
@@ -23,7 +23,7 @@ const CALLERS: usize = 64;
 /// Ended jobs per second, from the first submit to the last end, with the folder in `parent`.
 async fn rate(parent: &Path) -> f64 {
     let folder = tempfile::tempdir_in(parent).unwrap();
-    let server = Server::start(Options { queue: JOBS, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { queue: JOBS, ..options(folder.path()) }).await;
     let request = server.request("", "EVENTS 20").await;
     let begin = Instant::now();
     let callers = (0..CALLERS).map(|caller| {

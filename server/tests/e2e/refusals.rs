@@ -1,7 +1,7 @@
 //! Refusals of the transport: they carry the details that all refusals have.
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use tonic::codegen::http::uri::PathAndQuery;
 use tonic::{Code, Request};
 use tonic_health::pb::HealthCheckRequest;
@@ -65,7 +65,8 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
 #[tokio::test]
 async fn a_health_check_is_small_and_takes_nothing_of_the_memory_budget() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { maxima: Maxima { memory_bytes: 100_000, ..Maxima::default() }, ..guarded(folder.path()) };
+    let options =
+        ServerOptions { maxima: Maxima { memory_bytes: 100_000, ..Maxima::default() }, ..guarded(folder.path()) };
     let server = Server::start(options).await;
     let check = async |length: usize| {
         let check = HealthCheckRequest { service: "x".repeat(length) };

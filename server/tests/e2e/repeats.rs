@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use tonic::Code;
 
 use crate::cut::Cut;
@@ -19,7 +19,7 @@ const WAITS: Duration = Duration::from_millis(300);
 async fn a_repeat_takes_the_last_place_from_no_other_submit() {
     for queue in [true, false] {
         let folder = tempfile::tempdir().unwrap();
-        let mut options = Options { workers: 1, ..guarded(folder.path()) };
+        let mut options = ServerOptions { workers: 1, ..guarded(folder.path()) };
         match queue {
             true => options.queue = 2,
             false => options.quotas.tenant_queued = 2,

@@ -1,7 +1,7 @@
 //! A job returns its inputs, and runs again from them.
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use tonic::Code;
 
 use crate::support::*;
@@ -105,7 +105,7 @@ async fn other_maxima_of_the_server_do_not_make_a_request_another_one() {
     server.wait(&second).await;
     server.stop().await;
     let maxima = Maxima { max_blocks: 9, max_nesting: 3, max_memory: 1 << 20, ..Maxima::default() };
-    let server = Server::start(Options { maxima, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { maxima, ..options(folder.path()) }).await;
     for (request, job) in [(request, &first), (plain, &second)] {
         let again = server.jobs().submit_job(request).await.unwrap().into_inner();
         assert!(again.duplicate && again.status.unwrap().job_id == *job);

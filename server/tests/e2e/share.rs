@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Quotas, Tables, Tenant};
+use counterpoint_server::options::{OptionTables, Quotas, ServerOptions, Tenant};
 use tonic::{Code, Status};
 use tonic_types::StatusExt;
 
@@ -19,7 +19,7 @@ use crate::support::*;
 const LATHE: &str = "fanuc-2path-lathe";
 
 /// A server with two tenants.
-async fn two(options: Options) -> (Server, As, As) {
+async fn two(options: ServerOptions) -> (Server, As, As) {
     let tokens = [grant(&options, "n", "noisy", Role::Submit), grant(&options, "q", "quiet", Role::Submit)];
     let server = Server::start(options).await;
     let [noisy, quiet] = tokens.map(|token| As::new(&server, &token));
@@ -63,7 +63,7 @@ fn quota(status: &Status) -> String {
 #[tokio::test]
 async fn a_queue_of_thousands_of_one_tenant_does_not_delay_the_job_of_another() {
     let folder = tempfile::tempdir().unwrap();
-    let (server, noisy, quiet) = two(Options { workers: 1, queue: 5000, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { workers: 1, queue: 5000, ..guarded(folder.path()) }).await;
     let endless = noisy.submit("endless", LATHE, "HANG").await.unwrap().job_id;
     server_until(&noisy, &endless, v1::JobState::Running).await;
     let queue = many(&noisy, "n", "EVENTS 1", 2000).await;
@@ -96,7 +96,7 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     const QUEUE: usize = 10_000;
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_queued: QUEUE, ..Quotas::default() };
-    let (server, noisy, quiet) = two(Options { queue: QUEUE + 100, quotas, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { queue: QUEUE + 100, quotas, ..guarded(folder.path()) }).await;
     let mut endless = Vec::new();
     for number in 0..2 {
         let job = noisy.submit(&format!("endless-{number}"), LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
@@ -207,8 +207,8 @@ async fn a_tenant_with_a_table_of_its_own_has_its_quota_and_the_others_that_of_a
     let quotas = Quotas { tenant_queued: 4, ..Quotas::default() };
     let own = Tenant { queued: Some(2), uploads: Some(1), ..Tenant::default() };
     let tenants = BTreeMap::from([("noisy".to_owned(), own)]);
-    let tables = Tables { tenants, ..Tables::default() };
-    let (server, noisy, quiet) = two(Options { workers: 1, quotas, tables, ..guarded(folder.path()) }).await;
+    let tables = OptionTables { tenants, ..OptionTables::default() };
+    let (server, noisy, quiet) = two(ServerOptions { workers: 1, quotas, tables, ..guarded(folder.path()) }).await;
     for (caller, name, most) in [(&noisy, "n", 2), (&quiet, "q", 4)] {
         let running = caller.submit(&format!("{name}-runs"), LATHE, "HANG").await.unwrap().job_id;
         server_until(caller, &running, v1::JobState::Running).await;
@@ -270,7 +270,7 @@ pub async fn server_until(caller: &As, job: &str, state: v1::JobState) {
 #[tokio::test]
 async fn a_tenant_that_fills_the_queue_leaves_places_for_others() {
     let folder = tempfile::tempdir().unwrap();
-    let (server, noisy, quiet) = two(Options { workers: 1, queue: 20, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { workers: 1, queue: 20, ..guarded(folder.path()) }).await;
     let running = noisy.submit("endless", LATHE, "HANG").await.unwrap().job_id;
     server_until(&noisy, &running, v1::JobState::Running).await;
     many(&noisy, "n", "EVENTS 1", 20).await;
@@ -290,7 +290,7 @@ async fn a_tenant_that_fills_the_queue_leaves_places_for_others() {
 async fn quotas_of_a_tenant_are_refused_by_name_and_others_go_on() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_queued: 2, tenant_running: 1, ..Quotas::default() };
-    let (server, noisy, quiet) = two(Options { workers: 2, quotas, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { workers: 2, quotas, ..guarded(folder.path()) }).await;
     let first = noisy.submit("1", LATHE, "HANG").await.unwrap().job_id;
     server_until(&noisy, &first, v1::JobState::Running).await;
     let second = noisy.submit("2", LATHE, "EVENTS 1").await.unwrap().job_id;
@@ -311,7 +311,7 @@ async fn quotas_of_a_tenant_are_refused_by_name_and_others_go_on() {
 async fn stored_bytes_of_a_tenant_are_counted_over_restarts() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 100, ..Quotas::default() };
-    let options = Options { quotas, ..guarded(folder.path()) };
+    let options = ServerOptions { quotas, ..guarded(folder.path()) };
     let (server, noisy, quiet) = two(options.clone()).await;
     let job = noisy.submit("1", LATHE, "EVENTS 2000").await.unwrap().job_id;
     noisy.wait(&job).await;
@@ -332,7 +332,7 @@ async fn stored_bytes_of_a_tenant_are_counted_over_restarts() {
 async fn files_and_machines_of_a_tenant_count_and_a_full_share_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 10_000, ..Quotas::default() };
-    let (server, noisy, quiet) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { quotas, ..guarded(folder.path()) }).await;
     noisy.upload(&[b'a'; 4000]).await.unwrap();
     noisy.upload(&[b'a'; 4000]).await.expect("the same content is stored once");
     // Announced or not, a content that does not fit is refused and leaves nothing.
@@ -370,7 +370,7 @@ async fn files_and_machines_of_a_tenant_count_and_a_full_share_is_refused_by_nam
 async fn a_content_that_is_stored_is_uploaded_again_whatever_the_quota() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 10_000, ..Quotas::default() };
-    let (server, noisy, _) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    let (server, noisy, _) = two(ServerOptions { quotas, ..guarded(folder.path()) }).await;
     let stored = [b'a'; 9000];
     noisy.upload(&stored).await.unwrap();
     for size in [Some(9000), None] {
@@ -395,7 +395,7 @@ async fn a_content_that_is_stored_is_uploaded_again_whatever_the_quota() {
 async fn processor_time_of_a_tenant_is_counted_and_a_job_that_waits_takes_none() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_cpu_s: 1, ..Quotas::default() };
-    let options = Options { quotas, ..guarded(folder.path()) };
+    let options = ServerOptions { quotas, ..guarded(folder.path()) };
     let (server, noisy, quiet) = two(options.clone()).await;
     let job = noisy.submit("waits", LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
     server_until(&noisy, &job, v1::JobState::Running).await;
@@ -432,7 +432,7 @@ fn watch_all(job: &str) -> v1::WatchJobRequest {
 async fn uploads_of_a_tenant_are_limited_and_others_upload() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_uploads: 1, ..Quotas::default() };
-    let (server, noisy, quiet) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    let (server, noisy, quiet) = two(ServerOptions { quotas, ..guarded(folder.path()) }).await;
     let (send, receive) = tokio::sync::mpsc::channel(1);
     let content = b"slow";
     let first = v1::UploadRequest { digest: digest(content), data: "sl".into(), ..Default::default() };
@@ -458,7 +458,7 @@ async fn uploads_of_a_tenant_are_limited_and_others_upload() {
 #[tokio::test]
 async fn urgent_jobs_go_first_and_a_deadline_ends_a_job_that_waits_or_runs() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let now = || i64::try_from(SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis()).unwrap();
     let submit = async |name: &str, script: &str, priority: v1::JobPriority, deadline_ms: i64| {
         let request = server.request(name, script).await;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service;
 use redb::ReadableDatabase as _;
 use tonic::transport::Channel;
@@ -30,19 +30,19 @@ pub struct Real {
 }
 
 impl Real {
-    pub async fn start<const N: usize>(options: Options, tenants: [&str; N]) -> (Self, [As; N]) {
+    pub async fn start<const N: usize>(options: ServerOptions, tenants: [&str; N]) -> (Self, [As; N]) {
         let tokens = tenants.map(|tenant| grant(&options, tenant, tenant, Role::Submit));
         let (server, connection) = Self::serve(options).await;
         (server, tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) }))
     }
 
     /// Another server for the same tenants.
-    async fn again<const N: usize>(options: Options, tenants: [As; N]) -> (Self, [As; N]) {
+    async fn again<const N: usize>(options: ServerOptions, tenants: [As; N]) -> (Self, [As; N]) {
         let (server, connection) = Self::serve(options).await;
         (server, tenants.map(|tenant| As { connection: connection.clone(), ..tenant }))
     }
 
-    async fn serve(options: Options) -> (Self, Channel) {
+    async fn serve(options: ServerOptions) -> (Self, Channel) {
         let service = service::build(options).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
@@ -122,7 +122,7 @@ async fn cancel(caller: &As, job: &str) {
 #[tokio::test(flavor = "multi_thread")]
 async fn the_job_of_a_tenant_ends_beside_endless_runs_of_others_on_one_worker() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(folder.path()) };
     let (server, [blocks, macros, long, late]) = Real::start(options, ["blocks", "macros", "long", "late"]).await;
     put_spin(&macros).await;
     let first = endless(&blocks, "fanuc-mill", BLOCKS, limits()).await;
@@ -154,7 +154,7 @@ async fn the_job_of_a_tenant_ends_beside_endless_runs_of_others_on_one_worker() 
 #[tokio::test(flavor = "multi_thread")]
 async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(folder.path()) };
     let (server, tenants) = Real::start(options.clone(), ["a", "b", "c"]).await;
     let mut jobs = Vec::new();
     for tenant in &tenants {
@@ -187,7 +187,7 @@ async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let options = Options { workers: 2, ..guarded(first.path()) };
+    let options = ServerOptions { workers: 2, ..guarded(first.path()) };
     let (server, [endless_one, stepping, late]) = Real::start(options.clone(), ["endless", "stepping", "late"]).await;
     let without_end = endless(&endless_one, "fanuc-mill", BLOCKS, limits()).await;
     moves(&endless_one, &without_end).await;
@@ -198,7 +198,7 @@ async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
     copy(&options.data, &data);
     server.stop().await;
     let (server, [endless_one, stepping, late]) =
-        Real::again(Options { data, ..options }, [endless_one, stepping, late]).await;
+        Real::again(ServerOptions { data, ..options }, [endless_one, stepping, late]).await;
     let job = late.submit("late", "fanuc-mill", TINY).await.unwrap().job_id;
     assert_eq!(ends(&late, &job).await.state(), v1::JobState::Succeeded);
     moves(&endless_one, &without_end).await;
@@ -212,7 +212,7 @@ async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let options = Options { workers: 1, ..guarded(first.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(first.path()) };
     let (server, [endless_one, late]) = Real::start(options.clone(), ["endless", "late"]).await;
     let job = endless(&endless_one, "fanuc-mill", BLOCKS, limits()).await;
     moves(&endless_one, &job).await;
@@ -225,7 +225,7 @@ async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
         let row = database.begin_read().unwrap().open_table(table).unwrap().get(job.as_str()).unwrap().unwrap();
         String::from_utf8_lossy(row.value()).contains("\"suspect\":true")
     };
-    let options = Options { data, ..options };
+    let options = ServerOptions { data, ..options };
     let (server, [endless_one, late]) = Real::again(options.clone(), [endless_one, late]).await;
     moves(&endless_one, &job).await;
     let during = second.path().join("during");
@@ -243,7 +243,7 @@ async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_run_that_was_suspended_at_a_crash_counts_as_an_attempt() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let options = Options { workers: 1, ..guarded(first.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(first.path()) };
     let (server, tenants) = Real::start(options.clone(), ["a", "b", "c"]).await;
     let mut jobs = Vec::new();
     for tenant in &tenants {
@@ -255,7 +255,7 @@ async fn a_run_that_was_suspended_at_a_crash_counts_as_an_attempt() {
     let data = second.path().join("data");
     copy(&options.data, &data);
     server.stop().await;
-    let (server, tenants) = Real::again(Options { data, ..options }, tenants).await;
+    let (server, tenants) = Real::again(ServerOptions { data, ..options }, tenants).await;
     for (tenant, job) in tenants.iter().zip(&jobs) {
         moves(tenant, job).await;
         let request = v1::GetJobRequest { job_id: job.clone() };
@@ -271,7 +271,7 @@ async fn a_run_that_was_suspended_at_a_crash_counts_as_an_attempt() {
 async fn a_limit_of_time_counts_running_time_and_a_deadline_does_not() {
     const WALL_MS: u64 = 2000;
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let options = ServerOptions { workers: 1, ..guarded(folder.path()) };
     let (server, [busy, limited, late]) = Real::start(options, ["busy", "limited", "late"]).await;
     let endless_job = endless(&busy, "fanuc-mill", BLOCKS, limits()).await;
     moves(&busy, &endless_job).await;

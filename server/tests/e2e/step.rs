@@ -4,7 +4,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::debug_command::What;
 use counterpoint_proto::v1::debug_request::Content as Say;
 use counterpoint_proto::v1::debug_response::Content;
-use counterpoint_server::options::{Options, System};
+use counterpoint_server::options::{ServerOptions, System};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Status, Streaming};
@@ -58,9 +58,9 @@ impl Person {
     }
 }
 
-fn patient(data: &std::path::Path, seconds: u64) -> Options {
+fn patient(data: &std::path::Path, seconds: u64) -> ServerOptions {
     let options = options(data);
-    Options { system: System { operator_wait_s: seconds, ..System::default() }, ..options }
+    ServerOptions { system: System { operator_wait_s: seconds, ..System::default() }, ..options }
 }
 
 async fn stepped(server: &Server, name: &str, script: &str) -> String {

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 
 use counterpoint_proto::v1;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::Options;
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::ServerOptions;
 
 use crate::support::*;
 
@@ -28,8 +28,8 @@ impl Counting {
 }
 
 impl Faults for Counting {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
-        if step == Step::Sync {
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
+        if step == DiskOperation::Sync {
             let count = if path.ends_with("ledger.redb") { &self.ledger } else { &self.others };
             count.fetch_add(1, Ordering::SeqCst);
             if path.ends_with("log.segments") {
@@ -79,7 +79,7 @@ async fn the_end_of_a_tiny_job_costs_one_commit_that_it_shares() {
 #[tokio::test]
 async fn the_end_of_a_large_job_costs_two_syncs_of_its_own() {
     let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));
-    let settings = Options { workers: 1, ..options(folder.path()) };
+    let settings = ServerOptions { workers: 1, ..options(folder.path()) };
     let server = Server::start_on(settings, Disk::faulty(disk.clone())).await;
     let count = 6;
     let mut requests = Vec::new();
@@ -147,7 +147,7 @@ async fn a_small_log_survives_is_watched_and_goes_with_its_job() {
 #[tokio::test]
 async fn a_job_being_stored_leaves_its_worker_to_the_next() {
     let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));
-    let settings = Options { workers: 1, ..options(folder.path()) };
+    let settings = ServerOptions { workers: 1, ..options(folder.path()) };
     let server = Server::start_on(settings, Disk::faulty(disk.clone())).await;
     disk.hold(true);
     let large = server.submit("large", "EVENTS 20000").await;

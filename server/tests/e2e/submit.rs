@@ -117,7 +117,8 @@ async fn numbers_tokens_and_sizes_that_are_none_are_refused() {
 async fn a_full_queue_refuses_and_says_when_to_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let server =
-        Server::start(counterpoint_server::options::Options { queue: 1, workers: 1, ..options(folder.path()) }).await;
+        Server::start(counterpoint_server::options::ServerOptions { queue: 1, workers: 1, ..options(folder.path()) })
+            .await;
     let running = server.submit("r-1", "HANG").await;
     server.until(&running, v1::JobState::Running).await;
     let queued = server.submit("r-2", "EVENTS 1").await;

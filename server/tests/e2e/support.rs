@@ -10,18 +10,18 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::{Control, Stop};
-use counterpoint_kernel::dialog::answers::Value;
-use counterpoint_kernel::dialog::operator::{Question, Silence};
-use counterpoint_kernel::dialog::{Dialog, Field, FieldKind};
+use counterpoint_kernel::control::{JobControl, StopSignal};
+use counterpoint_kernel::dialog::answers::DialogValue;
+use counterpoint_kernel::dialog::operator::{OpenDialog, Silence};
+use counterpoint_kernel::dialog::{Dialog, DialogField, FieldKind};
 use counterpoint_kernel::event::Text;
-use counterpoint_kernel::files::Files;
-use counterpoint_kernel::job::{Outcome, Sink};
+use counterpoint_kernel::files::JobFiles;
+use counterpoint_kernel::job::{LogSink, RunEnd};
 use counterpoint_kernel::log::event::*;
-use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
+use counterpoint_kernel::log::info::{Info, JobAxis, JobChannel, JobFile, MachineUnit, ResultBudget};
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::operator::{Command, Console, Heard, Report, Said};
-use counterpoint_kernel::options::Limits;
+use counterpoint_kernel::operator::{Console, Heard, StepCommand, StepReply, StepReport};
+use counterpoint_kernel::options::JobLimits;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
@@ -29,8 +29,8 @@ use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::{Options, Retention};
-use counterpoint_server::runner::{Prepared, Runner, Task};
+use counterpoint_server::options::{Retention, ServerOptions};
+use counterpoint_server::runner::{PreparedJob, ResolvedJob, Runner};
 use counterpoint_server::service::{self, Handle};
 use sha2::{Digest, Sha256};
 use tonic::Status;
@@ -44,7 +44,7 @@ pub struct Script {
     /// Dialogs that are over.
     pub asked: Arc<AtomicU64>,
     /// Limits of the job prepared last.
-    pub limits: Arc<Mutex<Option<Limits>>>,
+    pub limits: Arc<Mutex<Option<JobLimits>>>,
     /// Jobs prepared.
     pub prepared: Arc<AtomicU64>,
 }
@@ -63,7 +63,12 @@ struct Ready {
 }
 
 impl Runner for Script {
-    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+    fn prepare(
+        &self,
+        task: ResolvedJob,
+        files: &dyn JobFiles,
+        stop: &StopSignal,
+    ) -> Result<Box<dyn PreparedJob>, Vec<Finding>> {
         self.prepared.fetch_add(1, Ordering::SeqCst);
         *self.limits.lock().unwrap() = Some(task.options.limits.clone());
         let program = &task.programs[0];
@@ -79,8 +84,8 @@ impl Runner for Script {
             }
             return Err(vec![Finding::error(&program.file, 0, 0, "stopped")]);
         }
-        let axis = |name: &str| Axis { name: name.into(), rotary: false, diameter: false };
-        let channel = |number| Channel {
+        let axis = |name: &str| JobAxis { name: name.into(), rotary: false, diameter: false };
+        let channel = |number| JobChannel {
             number,
             name: format!("C{number}"),
             program: program.file.clone(),
@@ -91,7 +96,7 @@ impl Runner for Script {
             unit_words: String::new(),
             axes: vec![axis("X"), axis("Z")],
         };
-        let file = File {
+        let file = JobFile {
             name: program.file.clone(),
             stored: false,
             resident: false,
@@ -108,8 +113,8 @@ impl Runner for Script {
             machine_file: "lathe2/machine.toml".into(),
             parameters: String::new(),
             trace: Default::default(),
-            room: Room { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
-            unit: Unit::Mm,
+            room: ResultBudget { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
+            unit: MachineUnit::Mm,
             channels: vec![channel(1), channel(2)],
             files: vec![file],
         });
@@ -133,7 +138,7 @@ pub fn event(seq: u64) -> Event {
             text: "note".into(),
             ..Diagnostic::default()
         })),
-        n if n % 2 == 0 => Kind::Block(Block { number: seq, unit_named: false }),
+        n if n % 2 == 0 => Kind::Block(BlockEvent { number: seq, unit_named: false }),
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
             moving: 3,
@@ -178,7 +183,7 @@ pub fn clock() -> i64 {
 }
 
 /// Gives events to the log and to the results.
-fn send(sink: &mut dyn Sink, seq: u64, batch: &[Event]) -> bool {
+fn send(sink: &mut dyn LogSink, seq: u64, batch: &[Event]) -> bool {
     if let Some(builder) = sink.results() {
         batch.iter().for_each(|event| builder.event(event));
     }
@@ -198,38 +203,38 @@ fn burn(time: Duration) {
 }
 
 /// Fields of a dialog, and the values that it lists.
-fn form() -> (Vec<Field>, Vec<(String, Value)>) {
+fn form() -> (Vec<DialogField>, Vec<(String, DialogValue)>) {
     let text = |longest| FieldKind::Text { longest };
     let number = FieldKind::Number { min: 0.0, max: 9.0, whole: true };
     let mut fields = vec![("NAME", text(5)), ("COUNT", number), ("CLAMP", FieldKind::Check)];
     fields.extend(["NOTE", "NOTE2", "NOTE3", "NOTE4"].map(|name| (name, text(100_000))));
     let field = |(name, kind): (&str, FieldKind)| {
         let label = name.to_owned();
-        Field { variable: label.clone(), label, kind, default: None, required: false, enabled: None }
+        DialogField { variable: label.clone(), label, kind, default: None, required: false, enabled: None }
     };
-    (fields.into_iter().map(field).collect(), vec![("DEPTH".to_owned(), Value::Number(1.0))])
+    (fields.into_iter().map(field).collect(), vec![("DEPTH".to_owned(), DialogValue::Number(1.0))])
 }
 
 /// Stands at a place until a command lets it continue; `Show` shows the place.
-fn stand(console: &dyn Console, control: &Control, place: &str) {
-    let report = Report { reason: place.into(), ..Report::default() };
-    console.say(Said::Stopped(report.clone()));
+fn stand(console: &dyn Console, control: &JobControl, place: &str) {
+    let report = StepReport { reason: place.into(), ..StepReport::default() };
+    console.say(StepReply::Stopped(report.clone()));
     while !control.cancelled() {
         match console.wait(Duration::from_millis(20)) {
-            Heard::Command(command) if command.runs() || command == Command::Detach => break,
-            Heard::Command(_) => console.say(Said::State(report.clone())),
+            Heard::Command(command) if command.runs() || command == StepCommand::Detach => break,
+            Heard::Command(_) => console.say(StepReply::State(report.clone())),
             Heard::Nothing => {}
             Heard::Gone => break,
         }
     }
 }
 
-impl Prepared for Ready {
+impl PreparedJob for Ready {
     fn info(&self) -> &Arc<Info> {
         &self.info
     }
 
-    fn run(&self, _files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    fn run(&self, _files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd {
         let mut seq = 1;
         let writes = self.script.lines().filter_map(|line| line.strip_prefix("WRITE "));
         sink.files(writes.map(|path| (path.to_owned(), path.into())).collect());
@@ -240,7 +245,7 @@ impl Prepared for Ready {
                     while seq < end && !control.cancelled() {
                         let batch: Vec<_> = (seq..end.min(seq + 100)).map(event).collect();
                         if !send(sink, seq, &batch) {
-                            return Outcome { events: seq - 1, cancelled: false, sink_failed: true };
+                            return RunEnd { events: seq - 1, cancelled: false, sink_failed: true };
                         }
                         seq += batch.len() as u64;
                     }
@@ -267,7 +272,7 @@ impl Prepared for Ready {
                     let (fields, values) = if line.starts_with("FORM") { form() } else { Default::default() };
                     let dialog = Dialog { name: name.into(), title: name.into(), fields, buttons: vec![] };
                     let (file, values) = ("main.nc", &values[..]);
-                    let question = Question { channel: 1, file, line: 1, dialog: &dialog, values, problem: None };
+                    let question = OpenDialog { channel: 1, file, line: 1, dialog: &dialog, values, problem: None };
                     let answer = control.operator().map(|operator| operator.ask(&question));
                     self.own.asked.fetch_add(1, Ordering::SeqCst);
                     let text = match answer {
@@ -304,7 +309,7 @@ impl Prepared for Ready {
                 _ => {}
             }
         }
-        Outcome { events: seq - 1, cancelled: control.cancelled(), sink_failed: false }
+        RunEnd { events: seq - 1, cancelled: control.cancelled(), sink_failed: false }
     }
 }
 
@@ -316,29 +321,29 @@ pub struct Server {
     pub connection: Connection,
 }
 
-pub fn options(data: &Path) -> Options {
-    Options {
+pub fn options(data: &Path) -> ServerOptions {
+    ServerOptions {
         // Tests submit equal jobs and expect each of them to run.
         retention: Retention { result_cache: false, ..Retention::default() },
         listen: "127.0.0.1:0".parse().unwrap(),
         data: data.to_owned(),
         grace_s: 0,
         workers: 2,
-        ..Options::default()
+        ..ServerOptions::default()
     }
 }
 
 impl Server {
-    pub async fn start(options: Options) -> Self {
+    pub async fn start(options: ServerOptions) -> Self {
         Self::start_on(options, Disk::default()).await
     }
 
-    pub async fn start_on(options: Options, disk: Disk) -> Self {
+    pub async fn start_on(options: ServerOptions, disk: Disk) -> Self {
         Self::try_start(options, disk).await.unwrap()
     }
 
     /// A server, if it starts.
-    pub async fn try_start(options: Options, disk: Disk) -> Result<Self, service::Error> {
+    pub async fn try_start(options: ServerOptions, disk: Disk) -> Result<Self, service::Error> {
         let script = Script::default();
         let service = service::build_on(options, script.clone(), disk).await?;
         let handle = service.handle();

@@ -2,7 +2,7 @@
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Retention};
+use counterpoint_server::options::{Retention, ServerOptions};
 use counterpoint_server::{backup, doctor};
 
 use crate::guarded::*;
@@ -12,7 +12,7 @@ const LATHE: &str = "fanuc-2path-lathe";
 
 struct Two {
     server: Server,
-    options: Options,
+    options: ServerOptions,
     one: As,
     other: As,
 }
@@ -137,9 +137,11 @@ async fn files_of_tenants_are_collected_examined_and_backed_up_like_others() {
 
     let place = |digest: &str| data.join("blobs/@other").join(&digest[..2]).join(digest);
     let kept = place(&digest(b"EVENTS 3"));
-    let server =
-        Server::start(Options { retention: Retention { blob_grace_s: 0, ..Retention::default() }, ..options.clone() })
-            .await;
+    let server = Server::start(ServerOptions {
+        retention: Retention { blob_grace_s: 0, ..Retention::default() },
+        ..options.clone()
+    })
+    .await;
     for _ in 0..2000 {
         if !place(&stray).exists() {
             break;

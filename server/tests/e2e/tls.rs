@@ -6,7 +6,7 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use counterpoint_server::service::{self, Handle};
 use rcgen::{BasicConstraints, CertificateParams, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -47,7 +47,7 @@ impl Authority {
     }
 }
 
-async fn start(options: Options) -> (Handle, tokio::task::JoinHandle<()>) {
+async fn start(options: ServerOptions) -> (Handle, tokio::task::JoinHandle<()>) {
     let service = service::build_with(options, Script::default()).await.unwrap();
     let handle = service.handle();
     (handle, tokio::spawn(async { service.run(std::future::pending()).await.unwrap() }))
@@ -67,7 +67,7 @@ fn trusting(authority: &Authority) -> ClientTlsConfig {
     ClientTlsConfig::new().ca_certificate(Certificate::from_pem(&authority.pem))
 }
 
-fn encrypted(folder: &Path, authority: &Authority) -> Options {
+fn encrypted(folder: &Path, authority: &Authority) -> ServerOptions {
     authority.serve(folder);
     let mut options = guarded(folder);
     (options.guard.tls_cert, options.guard.tls_key) = (folder.join("cert.pem"), folder.join("key.pem"));
@@ -164,7 +164,7 @@ async fn encryption_without_identities_stays_on_this_computer() {
     options.guard.access = Default::default();
     options.guard.tls_client_ca = folder.path().join("clients.pem");
     std::fs::write(&options.guard.tls_client_ca, &clients.pem).unwrap();
-    let open = Options { listen: "0.0.0.0:0".parse().unwrap(), ..options.clone() };
+    let open = ServerOptions { listen: "0.0.0.0:0".parse().unwrap(), ..options.clone() };
     let error = service::build(open).await.unwrap_err().to_string();
     assert!(error.contains("access") && error.contains("--insecure"), "{error}");
     assert!(!options.data.exists(), "nothing is touched before that");

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 use tonic::Request;
 use tracing_subscriber::fmt::format::FmtSpan;
 
@@ -51,7 +51,7 @@ async fn a_job_continues_the_trace_of_its_client_in_every_run() {
     let subscriber = tracing_subscriber::fmt().with_ansi(false).with_span_events(FmtSpan::CLOSE);
     subscriber.with_writer(move || writer.clone()).init();
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let mut request = Request::new(server.request("r-1", "EVENTS 3\nHANG").await);
     request.metadata_mut().insert("traceparent", PARENT.parse().unwrap());
     let job = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
@@ -60,7 +60,7 @@ async fn a_job_continues_the_trace_of_its_client_in_every_run() {
     let first = lines.span(&job, 1).await;
     assert!(first.contains("trace=\"4bf92f3577b34da6a3ce929d0e0e4736\""), "{first}");
     assert!(first.contains("parent=\"00f067aa0ba902b7\""), "{first}");
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
     server.wait(&job).await;
     assert_eq!(lines.span(&job, 2).await, first, "a later run of another server is in the same span");

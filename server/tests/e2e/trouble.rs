@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::{Maxima, Options};
+use counterpoint_server::local::disk::{Disk, DiskOperation, Faults};
+use counterpoint_server::options::{Maxima, ServerOptions};
 use tonic::Code;
 use tonic_health::pb::health_client::HealthClient;
 use tonic_types::StatusExt;
@@ -40,24 +40,24 @@ impl Trouble {
 }
 
 impl Faults for Trouble {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
         let on = |flag: &AtomicBool| flag.load(Ordering::SeqCst);
         let full = || Err(io::ErrorKind::StorageFull.into());
-        let writes = matches!(step, Step::Write(_) | Step::Resize(_) | Step::Sync);
+        let writes = matches!(step, DiskOperation::Write(_) | DiskOperation::Resize(_) | DiskOperation::Sync);
         if path.ends_with("ledger.redb") {
             return if writes && on(&self.ledger) { full() } else { Ok(usize::MAX) };
         }
-        if path.ends_with("log") && matches!(step, Step::Write(_)) {
+        if path.ends_with("log") && matches!(step, DiskOperation::Write(_)) {
             let left = self.logs.load(Ordering::SeqCst);
             if left == 0 {
                 return full();
             }
             self.logs.store(if left > 0 { left - 1 } else { left }, Ordering::SeqCst);
         }
-        if path.ends_with("files.json") && step == Step::Place && on(&self.results) {
+        if path.ends_with("files.json") && step == DiskOperation::Place && on(&self.results) {
             return full();
         }
-        if step == Step::Read && on(&self.descriptors) {
+        if step == DiskOperation::Read && on(&self.descriptors) {
             return Err(io::Error::from_raw_os_error(24));
         }
         Ok(if on(&self.short) { 7 } else { usize::MAX })
@@ -224,7 +224,7 @@ async fn short_writes_lose_nothing() {
 async fn below_the_reserve_no_run_starts_and_new_work_is_refused() {
     let (folder, trouble) = (tempfile::tempdir().unwrap(), Trouble::none());
     let disk = Disk::faulty(trouble.clone());
-    let server = Server::start_on(Options { workers: 1, ..options(folder.path()) }, disk).await;
+    let server = Server::start_on(ServerOptions { workers: 1, ..options(folder.path()) }, disk).await;
     let running = server.submit("running", "HANG").await;
     server.until(&running, v1::JobState::Running).await;
     let queued = server.submit("queued", "EVENTS 3").await;
@@ -253,7 +253,7 @@ async fn in_state(server: &Server, state: v1::JobState) -> Vec<String> {
 #[tokio::test]
 async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_given_up() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let server = Server::start(Options { workers: 3, ..options(first.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 3, ..options(first.path()) }).await;
     let mut jobs = Vec::new();
     for name in ["a", "b", "c"] {
         let job = server.submit(name, "EVENTS 2000\nHANG").await;
@@ -265,8 +265,11 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
     let data = second.path().join("one");
     copy(first.path(), &data);
     server.stop().await;
-    let strict =
-        |data: &Path| Options { workers: 3, maxima: Maxima { attempts: 1, ..Maxima::default() }, ..options(data) };
+    let strict = |data: &Path| ServerOptions {
+        workers: 3,
+        maxima: Maxima { attempts: 1, ..Maxima::default() },
+        ..options(data)
+    };
     let server = Server::start(strict(&data)).await;
     server.until_events(&jobs[0], 2000).await;
     assert_eq!(in_state(&server, v1::JobState::Running).await, jobs[..1]);
@@ -310,7 +313,7 @@ async fn the_order_is_that_of_acceptance_also_when_the_clock_is_set_back() {
     }
     txn.commit().unwrap();
     drop(database);
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let mut expected = vec![ahead.to_owned()];
     for name in ["second", "third", "fourth"] {
         expected.push(server.submit(name, "EVENTS 1\nHANG").await);
@@ -319,7 +322,7 @@ async fn the_order_is_that_of_acceptance_also_when_the_clock_is_set_back() {
     assert_eq!(jobs.into_iter().map(|job| job.job_id).collect::<Vec<_>>(), expected);
     server.stop().await;
     // Recovered in the same order.
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     server.until(&expected[1], v1::JobState::Running).await;
     assert_eq!(in_state(&server, v1::JobState::Queued).await, expected[2..]);
     server.stop().await;

@@ -3,7 +3,7 @@
 use std::fs;
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::ServerOptions;
 
 use crate::support::*;
 
@@ -13,8 +13,8 @@ use crate::support::*;
 async fn results_of_a_run_that_did_not_end_are_not_served() {
     let folder = tempfile::tempdir().unwrap();
     let (ledger, early) = (folder.path().join("ledger.redb"), folder.path().join("early"));
-    let waits = || Options { min_free_bytes: u64::MAX, ..options(folder.path()) };
-    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let waits = || ServerOptions { min_free_bytes: u64::MAX, ..options(folder.path()) };
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder.path()) }).await;
     let busy = server.submit("busy", "HANG").await;
     server.until(&busy, v1::JobState::Running).await;
     let job = server.submit("job", "EVENTS 5000\nWRITE out.txt").await;

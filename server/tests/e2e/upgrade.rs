@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::{Options, Quotas};
+use counterpoint_server::options::{Quotas, ServerOptions};
 use counterpoint_server::service;
 use redb::{ReadableDatabase, ReadableTable, TableDefinition};
 use serde_json::{Value, json};
@@ -138,7 +138,7 @@ const SCRIPTS: [(&str, &str, u64); 4] = [
 ];
 
 async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String> {
-    let server = Server::start(Options { workers: 1, ..options(folder) }).await;
+    let server = Server::start(ServerOptions { workers: 1, ..options(folder) }).await;
     let mut jobs = BTreeMap::new();
     let mut rows = Vec::new();
     for (name, script, _) in SCRIPTS[..2].iter().copied() {
@@ -299,7 +299,7 @@ async fn the_time_that_tenants_have_used_keeps_its_unit() {
     let folder = tempfile::tempdir().unwrap();
     folder_of(folder.path(), 6).await;
     let quota =
-        |tenant_cpu_s| Options { quotas: Quotas { tenant_cpu_s, ..Quotas::default() }, ..options(folder.path()) };
+        |tenant_cpu_s| ServerOptions { quotas: Quotas { tenant_cpu_s, ..Quotas::default() }, ..options(folder.path()) };
     let server = Server::start(quota(6)).await;
     let request = server.request("above", "EVENTS 1").await;
     server.submit("below", "EVENTS 1").await;

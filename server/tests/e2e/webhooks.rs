@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use counterpoint_server::options::{Options, Webhook};
+use counterpoint_server::options::{ServerOptions, Webhook};
 use rcgen::ExtendedKeyUsagePurpose;
 use rustls::ServerConfig;
 use rustls::pki_types::pem::PemObject as _;
@@ -59,7 +59,7 @@ async fn target(authority: &Authority) -> (u16, mpsc::UnboundedReceiver<String>)
     (port, receive)
 }
 
-fn informing(folder: &Path, port: u16, authority: &Authority) -> Options {
+fn informing(folder: &Path, port: u16, authority: &Authority) -> ServerOptions {
     let data = folder.join("data");
     std::fs::create_dir_all(&data).unwrap();
     let (secret_file, ca_file) = (folder.join("secret"), folder.join("ca.pem"));

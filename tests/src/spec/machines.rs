@@ -117,7 +117,7 @@ fn forget(table: &mut Table) {
 mod tests {
     use std::path::Path;
 
-    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::files::MemoryFiles;
     use counterpoint_kernel::machine::load;
     use counterpoint_kernel::machine::package::Overlay;
     use counterpoint_mdspec::Page;
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn every_named_machine_loads() {
         for (name, text) in named() {
-            let mut folder = Memory::default();
+            let mut folder = MemoryFiles::default();
             folder.insert("example/machine.toml", text.clone());
             let found: Vec<_> = load(&Overlay::new(folder, crate::library()), "example").findings;
             // The examples give the composite machine its components.

@@ -11,11 +11,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::Program;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_mdspec::{Example, Fence, Fences, Role, Suite};
 
 pub use run::check;
@@ -66,9 +66,9 @@ pub struct Case {
     pub definition: String,
     /// The findings of loading it, one line each.
     pub findings: String,
-    programs: Vec<Program>,
-    files: Memory,
-    options: Options,
+    programs: Vec<ProgramSelection>,
+    files: MemoryFiles,
+    options: JobOptions,
     /// File of the job and its fence.
     fences: Vec<(String, usize)>,
 }
@@ -80,15 +80,15 @@ impl Case {
     /// Line and reason, when the page is wrong about it: no such machine, options or TOML that cannot be read.
     pub fn of(example: &Example) -> Result<Self, (usize, String)> {
         let definition = machines::definition(example)?;
-        let mut folder = Memory::default();
+        let mut folder = MemoryFiles::default();
         folder.insert("example/machine.toml", definition.clone());
         let mut case = Self {
             machine: None,
             definition,
             findings: String::new(),
             programs: Vec::new(),
-            files: Memory::default(),
-            options: Options::default(),
+            files: MemoryFiles::default(),
+            options: JobOptions::default(),
             fences: Vec::new(),
         };
         for (at, fence) in example.fences.iter().enumerate() {
@@ -99,7 +99,12 @@ impl Case {
                 }
                 "nc" => {
                     let file = program_name(fence, case.programs.len() + 1);
-                    case.programs.push(Program { file: file.clone(), number: None, section: None, channel: None });
+                    case.programs.push(ProgramSelection {
+                        file: file.clone(),
+                        number: None,
+                        section: None,
+                        channel: None,
+                    });
                     case.file(file, fence, at);
                 }
                 "file" => case.file(fence.words.clone(), fence, at),
@@ -121,7 +126,7 @@ impl Case {
 
     /// The job, when there is something to run; with other options than those of the page.
     #[must_use]
-    pub fn work(&self, change: impl FnOnce(&mut Options)) -> Option<Work> {
+    pub fn work(&self, change: impl FnOnce(&mut JobOptions)) -> Option<Work> {
         let machine = self.machine.clone().filter(|_| !self.programs.is_empty())?;
         let mut options = self.options.clone();
         change(&mut options);

@@ -10,10 +10,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::JobControl;
 use counterpoint_kernel::event::letters;
 use counterpoint_kernel::log::event::{Event, Kind};
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, StepCalls, Whom};
+use counterpoint_kernel::operator::{
+    BreakLocation, Breakpoint, Console, Heard, StepCalls, StepCommand, StepReply, Whom,
+};
 use counterpoint_mdspec::{Check, Example};
 
 use super::Case;
@@ -102,7 +104,7 @@ fn observed(way: Way, work: &Work) -> Result<Done, String> {
         Way::Breakpoints => Some(Operator::new(breakpoints(work))),
         _ => None,
     };
-    let run = |control: Control| match console.clone() {
+    let run = |control: JobControl| match console.clone() {
         Some(console) => control.with_console(console),
         None => control,
     };
@@ -110,24 +112,24 @@ fn observed(way: Way, work: &Work) -> Result<Done, String> {
 }
 
 /// Breakpoints at every wait, at lines of every file, at every variable that channels may share, and at a time.
-fn breakpoints(work: &Work) -> Vec<Command> {
-    let mut spots = vec![Spot::Wait(String::new()), Spot::Time(1)];
-    spots.extend((1..=40).map(|line| Spot::Line { file: String::new(), line }));
+fn breakpoints(work: &Work) -> Vec<StepCommand> {
+    let mut spots = vec![BreakLocation::Wait(String::new()), BreakLocation::Time(1)];
+    spots.extend((1..=40).map(|line| BreakLocation::Line { file: String::new(), line }));
     let numbered = (100..130).chain(500..530).map(|number| format!("#{number}"));
     let declared = work.machine.macros.iter().flat_map(|macros| macros.program.globals.iter().cloned());
-    spots.extend(numbered.chain(declared.take(300)).map(Spot::Write));
-    spots.into_iter().map(|spot| Command::Add(Breakpoint { id: 0, spot, count: 0, once: false })).collect()
+    spots.extend(numbered.chain(declared.take(300)).map(BreakLocation::Write));
+    spots.into_iter().map(|spot| StepCommand::Add(Breakpoint { id: 0, spot, count: 0, once: false })).collect()
 }
 
 /// Sets breakpoints at the first stop; then steps, or continues where there are breakpoints.
 struct Operator {
-    first: Vec<Command>,
+    first: Vec<StepCommand>,
     turn: AtomicU32,
     stops: AtomicU32,
 }
 
 impl Operator {
-    fn new(first: Vec<Command>) -> Arc<Self> {
+    fn new(first: Vec<StepCommand>) -> Arc<Self> {
         Arc::new(Self { first, turn: AtomicU32::new(0), stops: AtomicU32::new(0) })
     }
 }
@@ -148,18 +150,18 @@ impl Console for Operator {
         }
         Heard::Command(match (self.first.get(turn), self.first.is_empty(), turn % 6) {
             (Some(command), ..) => command.clone(),
-            (None, false, _) => Command::Continue,
-            (None, true, 0) => Command::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into },
-            (None, true, 1) => Command::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Into },
-            (None, true, 2) => Command::Show,
-            (None, true, 3) => Command::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Over },
-            (None, true, 4) => Command::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Out },
-            (None, true, _) => Command::Step { whom: Whom::All, blocks: 2, calls: StepCalls::Into },
+            (None, false, _) => StepCommand::Continue,
+            (None, true, 0) => StepCommand::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into },
+            (None, true, 1) => StepCommand::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Into },
+            (None, true, 2) => StepCommand::Show,
+            (None, true, 3) => StepCommand::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Over },
+            (None, true, 4) => StepCommand::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Out },
+            (None, true, _) => StepCommand::Step { whom: Whom::All, blocks: 2, calls: StepCalls::Into },
         })
     }
 
-    fn say(&self, said: Said) {
-        if matches!(said, Said::Stopped(_)) {
+    fn say(&self, said: StepReply) {
+        if matches!(said, StepReply::Stopped(_)) {
             self.stops.fetch_add(1, Ordering::Relaxed);
         }
     }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::event::{Call, Dwell, Event, Function, Kind, Message, Motion, MotionKind, ToolChange};
+use counterpoint_kernel::log::event::{
+    Dwell, Event, Kind, Motion, MotionKind, OperatorMessage, SubprogramEntry, TimedFunction, ToolChange,
+};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 
@@ -34,7 +36,7 @@ fn motion(info: &Info, event: &Event, motion: &Motion) -> String {
 pub(super) fn event(info: &Info, event: &Event) -> Option<String> {
     let text = match &event.kind {
         Kind::Motion(m) => motion(info, event, m),
-        Kind::Message(Message { text, .. }) => format!("message {text}"),
+        Kind::Message(OperatorMessage { text, .. }) => format!("message {text}"),
         Kind::Mode(mode) => format!("mode {mode}"),
         Kind::Tool(ToolChange { action, tool, .. }) => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => {
@@ -42,8 +44,8 @@ pub(super) fn event(info: &Info, event: &Event) -> Option<String> {
             format!("spindle {} {}{of}", format!("{:?}", s.direction).to_lowercase(), s.speed)
         }
         Kind::Coolant(coolant) => coolant.to_string(),
-        Kind::Function(Function { letter, value }) => format!("function {letter}{value}"),
-        Kind::Call(Call { program, .. }) => format!("call {program}"),
+        Kind::Function(TimedFunction { letter, value }) => format!("function {letter}{value}"),
+        Kind::Call(SubprogramEntry { program, .. }) => format!("call {program}"),
         Kind::Return(_) => "return".to_owned(),
         Kind::Stop(stop) => format!("stop {}", format!("{stop:?}").to_lowercase()),
         Kind::Dwell(Dwell) => format!("dwell {}", event.dur_ns as f64 / 1e9),

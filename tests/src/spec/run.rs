@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use counterpoint_kernel::diag;
 use counterpoint_kernel::log::event::{Diagnostic, Kind};
-use counterpoint_kernel::log::summary::State;
+use counterpoint_kernel::log::summary::JobOutcome;
 use counterpoint_mdspec::{Check, Example, counted, severity_name};
 
 use super::{Case, observe, outcome};
@@ -54,13 +54,13 @@ pub fn check(example: &Example, check: &mut Check<'_>) {
 /// the machine, which are not executed then.
 fn judge(example: &Example, case: &Case, done: &Done, check: &mut Check<'_>) {
     const ERROR: u8 = 8;
-    if done.summary.state != State::Succeeded || done.summary.highest_severity >= ERROR {
+    if done.summary.state != JobOutcome::Succeeded || done.summary.highest_severity >= ERROR {
         return;
     }
     let judged = case.work(|options| options.lint = true).and_then(|work| work.run(None).ok());
     let macros = case.machine.as_ref().is_some_and(|machine| machine.macros.is_some());
     let unsure = |judged: &Done| macros && judged.summary.verdict.is_some();
-    let refused = judged.filter(|judged| judged.summary.state == State::Failed && !unsure(judged));
+    let refused = judged.filter(|judged| judged.summary.state == JobOutcome::Failed && !unsure(judged));
     let Some(judged) = refused else { return };
     let texts: String = judged.summary.diagnostics.iter().map(|found| format!("{}\n", found.text)).collect();
     check.wrong(example.line, &format!("the program runs, and lint refuses it:\n{texts}"));

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::dialog::operator::Operator;
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::dialog::operator::DialogOperator;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::Work;
 
 /// Limit of the job.
@@ -30,9 +30,9 @@ pub struct Case {
     /// Other files of the job, without text.
     files: Vec<String>,
     /// The operator who answers dialogs.
-    operator: Option<Arc<dyn Operator>>,
+    operator: Option<Arc<dyn DialogOperator>>,
     /// Its special options.
-    options: fn(&mut Options),
+    options: fn(&mut JobOptions),
     /// Diagnostics of which one has to come when the limits are small.
     pub ends_with: &'static [u32],
 }
@@ -43,13 +43,13 @@ impl Case {
     }
 
     /// Whether an operator answers its dialogs.
-    pub fn attended(mut self, operator: Arc<dyn Operator>) -> Self {
+    pub fn attended(mut self, operator: Arc<dyn DialogOperator>) -> Self {
         self.operator = Some(operator);
         self.with_options(|options| options.attended = true)
     }
 
     /// Something is special about its options.
-    pub fn with_options(mut self, options: fn(&mut Options)) -> Self {
+    pub fn with_options(mut self, options: fn(&mut JobOptions)) -> Self {
         self.options = options;
         self
     }
@@ -61,8 +61,8 @@ impl Case {
     }
 
     /// A control for it.
-    pub fn control(&self) -> Control {
-        let control = Control::new(self.machine.channels.len());
+    pub fn control(&self) -> JobControl {
+        let control = JobControl::new(self.machine.channels.len());
         match &self.operator {
             Some(operator) => control.with_operator(Arc::clone(operator)),
             None => control,
@@ -70,7 +70,7 @@ impl Case {
     }
 
     /// The job with these options.
-    pub fn work(&self, mut options: Options) -> Work {
+    pub fn work(&self, mut options: JobOptions) -> Work {
         (self.options)(&mut options);
         let mut work = Work::texts(Arc::clone(&self.machine), &self.programs, options);
         self.files.iter().for_each(|name| work.files.insert(name.as_str(), ""));
@@ -80,7 +80,7 @@ impl Case {
 
 /// A machine that extends a shipped one, with files beside it.
 pub fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     user.insert("hostile/machine.toml", format!("extends = \"{base}\"\n\n[ce]\nname = \"hostile\"\n{toml}"));
     for (name, text) in files {
         user.insert(format!("hostile/{name}"), text);

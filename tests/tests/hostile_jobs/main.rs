@@ -11,12 +11,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use cases::Case;
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::job::{Job, Sink, Spec};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::job::{Job, LogSink, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, VerdictKind};
 use counterpoint_kernel::log::summary::Summary;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 
 /// Most memory of the whole process: all cases, with programs and machines.
 const MEMORY: u64 = 512 << 20;
@@ -30,7 +30,7 @@ struct Quiet {
     logged: bool,
 }
 
-impl Sink for Quiet {
+impl LogSink for Quiet {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
     }
@@ -45,25 +45,25 @@ impl Sink for Quiet {
 }
 
 /// Small enough that a job comes to one of them soon.
-fn small() -> Limits {
-    Limits {
+fn small() -> JobLimits {
+    JobLimits {
         blocks: 20_000,
         zero_time_blocks: 5_000,
         events: 200_000,
         memory: 64 << 20,
         macro_steps: 6_000_000,
-        ..Limits::default()
+        ..JobLimits::default()
     }
 }
 
 /// So large that no job reaches them.
-fn large() -> Limits {
-    Limits { memory: 128 << 20, block_length: 1 << 20, ..Limits::MOST }
+fn large() -> JobLimits {
+    JobLimits { memory: 128 << 20, block_length: 1 << 20, ..JobLimits::MOST }
 }
 
 /// Runs a case from its programs to its results; nothing comes out when it is cancelled before it begins.
-fn run(case: &Case, limits: Limits, control: &Control, logged: bool) -> Option<Summary> {
-    let options = Options { limits, ..Options::default() };
+fn run(case: &Case, limits: JobLimits, control: &JobControl, logged: bool) -> Option<Summary> {
+    let options = JobOptions { limits, ..JobOptions::default() };
     let work = case.work(options);
     let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
     let job = match Job::prepare_until(spec, &work.files, control.stop()) {
@@ -189,7 +189,7 @@ fn whether_memory_is_used_up_does_not_depend_on_scheduling() {
     let _alone = alone();
     let case = cases::all().into_iter().find(|case| case.name == "macro: GLOBAL variables of two channels").unwrap();
     let told = |threads| {
-        let options = Options { limits: small(), threads, ..Options::default() };
+        let options = JobOptions { limits: small(), threads, ..JobOptions::default() };
         let results = case.work(options).results(None).unwrap().0;
         (results.summary.verdict.map(|verdict| verdict.text), results.summary.log_digest)
     };
@@ -203,13 +203,13 @@ fn whether_memory_is_used_up_does_not_depend_on_scheduling() {
 #[test]
 fn limits_beyond_the_most_count_as_the_most() {
     let _alone = alone();
-    let limits = Limits { diagnostics: u32::MAX, block_length: 100 << 20, memory: u64::MAX, ..Limits::default() };
-    let work = cases::all().remove(0).work(Options { limits, ..Options::default() });
+    let limits = JobLimits { diagnostics: u32::MAX, block_length: 100 << 20, memory: u64::MAX, ..JobLimits::default() };
+    let work = cases::all().remove(0).work(JobOptions { limits, ..JobOptions::default() });
     let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
     let job = Job::prepare(spec, &work.files).unwrap();
     let capped = &job.spec().options.limits;
     assert_eq!((capped.diagnostics, capped.block_length), (10_000, 1 << 20));
-    assert_eq!(capped.memory, Limits::MOST.memory);
+    assert_eq!(capped.memory, JobLimits::MOST.memory);
 }
 
 /// Bytes of memory, a program, and the subject of the verdict.
@@ -220,8 +220,8 @@ fn results_count_as_memory() {
     for (memory, named) in
         [(100 << 10, "the toolpath"), (40 << 10, "the toolpath"), (64 << 20, "more than 20000 blocks")]
     {
-        let limits = Limits { memory, ..small() };
-        let options = Options { limits, ..Options::default() };
+        let limits = JobLimits { memory, ..small() };
+        let options = JobOptions { limits, ..JobOptions::default() };
         let work =
             counterpoint_tests::Work::texts(counterpoint_tests::machine("fanuc-mill-exact", ""), &[moves], options);
         for threads in [0, 1] {
@@ -241,11 +241,11 @@ fn results_count_as_memory() {
 fn a_path_has_no_more_than_its_part_of_the_memory() {
     let _alone = alone();
     let arcs = "F9999.\nN1 G91 G2 X.01 I.005\nG1 Y.01\nG2 X-.01 I-.005\nG1 Y.01\nGOTO1\n";
-    let limits = Limits { memory: 4 << 20, ..small() };
+    let limits = JobLimits { memory: 4 << 20, ..small() };
     let work = counterpoint_tests::Work::texts(
         counterpoint_tests::machine("fanuc-mill-exact", ""),
         &[arcs],
-        Options { limits, ..Options::default() },
+        JobOptions { limits, ..JobOptions::default() },
     );
     let path = &work.results(None).unwrap().0.toolpath.channels[0].path;
     let bytes = size_of_val(path.moves.as_slice()) + size_of_val(path.curves.as_slice());

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::dialog::operator::{Operator, Question, Silence};
+use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
+use counterpoint_kernel::dialog::operator::{DialogOperator, OpenDialog, Silence};
 
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 
 use super::cases::{
     Case, HEIDENHAIN, LIMIT, LONG, OKUMA, SIEMENS, STEPS, block_macro, dialect, endless, fanuc, machine,
@@ -48,20 +48,20 @@ fn asking(name: &'static str, ends_with: &'static [u32]) -> Case {
 /// Answers as fast as it can, but never so that a field takes it.
 struct Wrong;
 
-impl Operator for Wrong {
-    fn ask(&self, _: &Question<'_>) -> Result<Answer, Silence> {
-        let text = Value::Text("x".repeat(1 << 20));
-        let values = vec![("%G05".to_owned(), text), ("%G06".to_owned(), Value::Number(1e300))];
-        Ok(Answer { dialog: "Q".to_owned(), button: Some("OK".to_owned()), values: values.into_iter().collect() })
+impl DialogOperator for Wrong {
+    fn ask(&self, _: &OpenDialog<'_>) -> Result<DialogAnswer, Silence> {
+        let text = DialogValue::Text("x".repeat(1 << 20));
+        let values = vec![("%G05".to_owned(), text), ("%G06".to_owned(), DialogValue::Number(1e300))];
+        Ok(DialogAnswer { dialog: "Q".to_owned(), button: Some("OK".to_owned()), values: values.into_iter().collect() })
     }
 }
 
 /// Answers as fast as it can.
 struct Quick;
 
-impl Operator for Quick {
-    fn ask(&self, _: &Question<'_>) -> Result<Answer, Silence> {
-        Ok(Answer { dialog: "Q".to_owned(), ..Answer::default() })
+impl DialogOperator for Quick {
+    fn ask(&self, _: &OpenDialog<'_>) -> Result<DialogAnswer, Silence> {
+        Ok(DialogAnswer { dialog: "Q".to_owned(), ..DialogAnswer::default() })
     }
 }
 
@@ -265,7 +265,7 @@ fn siemens(name: &'static str, programs: &[&str], ends_with: &'static [u32]) -> 
 }
 
 /// Where small limits are wanted, smaller ones: all channels wait for each other in each block.
-const FEW_BLOCKS: fn(&mut Options) = |options| {
+const FEW_BLOCKS: fn(&mut JobOptions) = |options| {
     if options.limits.blocks < 1_000_000 {
         options.limits.blocks = 2000;
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 
@@ -81,7 +81,7 @@ pub fn machine(channels: u16) -> Arc<Machine> {
         .unwrap();
     }
     text += MACROS;
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("kernels/declare.mac", "DECLAR/GLOBAL,INTEGER,NUMBER=0\n");
     files.insert("kernels/stop.mac", STOP);
     files.insert("kernels/machine.toml", text);

@@ -12,13 +12,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use counterpoint_kernel::job::WrittenFiles;
-use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
+use counterpoint_kernel::log::builder::{JobResults, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
-use counterpoint_kernel::log::summary::{Channel, ChannelState};
+use counterpoint_kernel::log::summary::{ChannelState, ChannelSummary};
 use counterpoint_kernel::log::{jsonl, listing};
 use counterpoint_kernel::machine::Machine;
-use counterpoint_kernel::options::{Limits, Options, Races};
+use counterpoint_kernel::options::{JobLimits, JobOptions, RacePolicy};
 use counterpoint_tests::{Work, cases, processors};
 use model::End;
 use programs::{Content, Numbers, Step, Text, Writer};
@@ -76,13 +76,13 @@ fn files(done: &Finished) -> BTreeMap<String, Vec<u8>> {
 /// A job that has run.
 struct Finished {
     info: Arc<Info>,
-    results: Results,
+    results: JobResults,
     written: WrittenFiles,
     events: Option<Vec<Event>>,
 }
 
 fn run(work: &Work, threads: u16, logged: bool, jitter: Option<fn(u16)>) -> Finished {
-    let work = Work { options: Options { threads, ..work.options.clone() }, ..work.clone() };
+    let work = Work { options: JobOptions { threads, ..work.options.clone() }, ..work.clone() };
     if !logged {
         let (results, _, written) = work.results(jitter).unwrap();
         return Finished { info: work.info(), results, written, events: None };
@@ -94,13 +94,13 @@ fn run(work: &Work, threads: u16, logged: bool, jitter: Option<fn(u16)>) -> Fini
 }
 
 /// Limits of which one stops many jobs in their midst.
-fn limits(numbers: &mut Numbers) -> Limits {
-    let usual = Limits { blocks: 4_000, zero_time_blocks: 2_000, ..Limits::default() };
+fn limits(numbers: &mut Numbers) -> JobLimits {
+    let usual = JobLimits { blocks: 4_000, zero_time_blocks: 2_000, ..JobLimits::default() };
     match numbers.below(8) {
-        0 => Limits { simulated_ns: 1_000_000 * (1 + numbers.below(40) as i64), ..usual },
-        1 => Limits { blocks: 10 + numbers.below(60), ..usual },
-        2 => Limits { events: 20 + numbers.below(150), ..usual },
-        3 => Limits { diagnostics: 1 + numbers.below(3) as u32, ..usual },
+        0 => JobLimits { simulated_ns: 1_000_000 * (1 + numbers.below(40) as i64), ..usual },
+        1 => JobLimits { blocks: 10 + numbers.below(60), ..usual },
+        2 => JobLimits { events: 20 + numbers.below(150), ..usual },
+        3 => JobLimits { diagnostics: 1 + numbers.below(3) as u32, ..usual },
         _ => usual,
     }
 }
@@ -122,8 +122,8 @@ fn scheduling_changes_no_byte_of_any_result() {
         let mut numbers = Numbers::of(case);
         let channels = 2 + numbers.below(u64::from(MOST_CHANNELS) - 1) as u16;
         let texts = texts(&Writer::new(&mut numbers, channels, Content::All).programs());
-        let races = [Races::Off, Races::Warn, Races::Alarm][numbers.below(3) as usize];
-        let options = Options { limits: limits(&mut numbers), races, ..Options::default() };
+        let races = [RacePolicy::Off, RacePolicy::Warn, RacePolicy::Alarm][numbers.below(3) as usize];
+        let options = JobOptions { limits: limits(&mut numbers), races, ..JobOptions::default() };
         let work = Work::texts(Arc::clone(&machines[usize::from(channels) - 2]), &texts, options);
         let _case = Case(case, texts.clone());
         let oracle = run(&work, 1, true, None);
@@ -160,11 +160,11 @@ fn times_and_ends_are_those_of_the_model() {
             continue;
         };
         let texts = texts(&programs);
-        let limits = Limits { simulated_ns: i64::MAX, ..Limits::default() };
-        let options = Options { limits, threads: 1, ..Options::default() };
+        let limits = JobLimits { simulated_ns: i64::MAX, ..JobLimits::default() };
+        let options = JobOptions { limits, threads: 1, ..JobOptions::default() };
         let work = Work::texts(Arc::clone(&machines[usize::from(channels) - 2]), &texts, options);
         let summary = work.results(None).unwrap().0.summary;
-        let end = |channel: &Channel| match channel.state {
+        let end = |channel: &ChannelSummary| match channel.state {
             ChannelState::Ended => End::At(channel.end_ns),
             ChannelState::Alarmed => End::Alarm,
             _ => End::Never,
@@ -191,7 +191,7 @@ fn what_is_judged_without_a_run_is_true() {
         let programs = Writer::new(&mut numbers, channels, Content::Spaced).programs();
         let Some(expected) = model::ends(&programs) else { continue };
         let texts = texts(&programs);
-        let options = Options { threads: 1, lint: true, ..Options::default() };
+        let options = JobOptions { threads: 1, lint: true, ..JobOptions::default() };
         let work = Work::texts(Arc::clone(&machines[usize::from(channels) - 2]), &texts, options);
         let summary = work.results(None).unwrap().0.summary;
         let says = |number| summary.diagnostics.iter().any(|diagnostic| diagnostic.number == number);
@@ -199,7 +199,7 @@ fn what_is_judged_without_a_run_is_true() {
         // A loop may wait for a variable.
         if says(2_900_441) || says(2_900_444) || says(2_900_446) {
             open += 1;
-        } else if summary.state == counterpoint_kernel::log::summary::State::Succeeded {
+        } else if summary.state == counterpoint_kernel::log::summary::JobOutcome::Succeeded {
             clean += 1;
             assert!(all_end, "case {case}: {texts:#?} {expected:?}");
         } else {

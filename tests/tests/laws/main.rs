@@ -14,7 +14,7 @@ mod siemens;
 mod writer;
 
 use counterpoint_kernel::log::event::{Kind, MotionKind};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::JobOptions;
 use counterpoint_tests::{Work, cases, machine};
 use fastrand::Rng;
 use program::{GRID_MM, Place, Step};
@@ -58,7 +58,8 @@ type Timed = (Happened, i64);
 fn run(control: &Control, text: &str, inches: bool) -> Vec<Timed> {
     let of_machine = control.inches.filter(|_| inches);
     let (overlay, unit) = of_machine.map_or((OVERLAY, 1.0), |overlay| (overlay, INCH));
-    let work = Work::texts(machine(control.machine, overlay), &[text], Options { threads: 1, ..Options::default() });
+    let work =
+        Work::texts(machine(control.machine, overlay), &[text], JobOptions { threads: 1, ..JobOptions::default() });
     let done = work.run(None).expect("the job can be prepared");
     let mut shift = [0.0; 3];
     let mut happened = Vec::new();

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 
@@ -338,7 +338,7 @@ pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
         if mill { "fanuc-mill-exact" } else { "fanuc-2path-lathe-exact" },
         if mill { MILL } else { LATHE }
     );
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let mut add = |name: &str, macro_text: &str| files.insert(format!("mixed/{name}.mac"), macro_text);
     match macros {
         Macros::None | Macros::Rounds => {}

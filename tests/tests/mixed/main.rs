@@ -5,9 +5,9 @@
 mod machines;
 mod programs;
 
-use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, Motion, Position};
+use counterpoint_kernel::log::event::{Event, FrameShift, Kind, Motion, OperatorMessage, Position};
 use counterpoint_kernel::machine::Machine;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{JobLimits, JobOptions};
 use counterpoint_tests::{Done, Work, cases, processors};
 use machines::{Macros, machine};
 use programs::program;
@@ -17,9 +17,9 @@ use std::sync::Arc;
 /// Differences of axes that noise may make.
 const NEAR: f64 = 1e-6;
 
-fn options(threads: u16) -> Options {
-    let limits = Limits { blocks: 5_000, zero_time_blocks: 2_000, events: 50_000, ..Limits::default() };
-    Options { limits, threads, ..Options::default() }
+fn options(threads: u16) -> JobOptions {
+    let limits = JobLimits { blocks: 5_000, zero_time_blocks: 2_000, events: 50_000, ..JobLimits::default() };
+    JobOptions { limits, threads, ..JobOptions::default() }
 }
 
 /// Data of a channel while its events go by.
@@ -51,7 +51,7 @@ impl Seen {
                 self.joints = None;
                 return self.motion(motion).or_else(fail);
             }
-            Kind::Frame(Frame { shift }) => {
+            Kind::Frame(FrameShift { shift }) => {
                 if self.tip {
                     self.at = None;
                 } else if let Some(at) = &mut self.at {
@@ -67,7 +67,7 @@ impl Seen {
                 self.at = None;
             }
             Kind::Mode(mode) if mode.text.starts_with("unwind") => (self.at, self.joints) = (None, None),
-            Kind::Message(Message { text, .. }) => {
+            Kind::Message(OperatorMessage { text, .. }) => {
                 if let Some(values) = text.strip_prefix("J ") {
                     let values: Vec<f64> = values.split(' ').map(|value| value.parse().unwrap_or(f64::NAN)).collect();
                     if let Some(before) = &self.joints

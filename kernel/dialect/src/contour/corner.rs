@@ -2,14 +2,14 @@
 //!
 //! *Invariant:* a corner takes no more of an element than there is of it.
 
-use counterpoint_motion::contour::blend::{Cut, TooLong, blend};
+use counterpoint_motion::contour::blend::{CornerBlend, TooLong, blend};
 use counterpoint_motion::contour::element::{Element, NOISE};
 
 use super::plane::{Point, minus, turn};
 
 /// Data of both elements that a corner needs, and its direction of rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Corner {
+pub(crate) struct CornerGeometry {
     /// Where the first element ends.
     pub(crate) from: Point,
     /// Where the second element begins, and in which direction.
@@ -23,7 +23,12 @@ pub(crate) struct Corner {
 ///
 /// # Errors
 /// Why there is none.
-pub(crate) fn corner(first: Element, second: Element, chamfer: bool, size: f64) -> Result<Corner, &'static str> {
+pub(crate) fn corner(
+    first: Element,
+    second: Element,
+    chamfer: bool,
+    size: f64,
+) -> Result<CornerGeometry, &'static str> {
     if first.length() < NOISE || second.length() < NOISE {
         return Err("a corner needs an element before it and one after it");
     }
@@ -35,12 +40,14 @@ pub(crate) fn corner(first: Element, second: Element, chamfer: bool, size: f64) 
     if turns.abs() < 1e-9 {
         return Err("elements of one direction have no corner");
     }
-    let cut = if chamfer { Cut::Legs(size) } else { Cut::Round(size) };
+    let cut = if chamfer { CornerBlend::Legs(size) } else { CornerBlend::Round(size) };
     match blend(&mut first, &mut second, cut) {
         Ok(_) if minus(first.to, second.from).iter().all(|way| way.abs() < NOISE) => {
             Err("the corner is larger than its elements")
         }
-        Ok(_) => Ok(Corner { from: first.to, to: second.from, heading: second.start(), clockwise: turns < 0.0 }),
+        Ok(_) => {
+            Ok(CornerGeometry { from: first.to, to: second.from, heading: second.start(), clockwise: turns < 0.0 })
+        }
         Err(TooLong) => Err("the corner is larger than its elements"),
     }
 }

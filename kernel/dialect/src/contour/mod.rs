@@ -12,8 +12,8 @@ mod tangent;
 mod ways;
 
 pub(super) use circle::{angle_between, pieces};
-pub(super) use corner::{Corner, arc, corner, line};
+pub(super) use corner::{CornerGeometry, arc, corner, line};
 pub(super) use plane::{Point, along, center_by_radius, direction, left, length, minus, times, touch, turn, turned};
-pub(super) use polar::{Polar, towards};
+pub(super) use polar::{PolarPoint, towards};
 pub(super) use tangent::{Tangent, heading_on, tangent};
-pub(super) use ways::{Approach, Departure, PathShape, Side, approach, depart};
+pub(super) use ways::{ApproachPath, Departure, PathDimensions, PathShape, approach, depart};

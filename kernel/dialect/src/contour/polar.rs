@@ -7,7 +7,7 @@ use crate::numeric::{cosine, sine};
 
 /// Where a point is as seen from a pole.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Polar {
+pub(crate) struct PolarPoint {
     pub(crate) radius: f64,
     /// Degrees.
     pub(crate) angle: f64,
@@ -18,7 +18,7 @@ pub(crate) fn towards(degrees: f64) -> Point {
     [cosine(degrees), sine(degrees)]
 }
 
-impl Polar {
+impl PolarPoint {
     /// Of a point.
     pub(crate) fn of(pole: Point, point: Point) -> Self {
         let from = minus(point, pole);
@@ -37,7 +37,7 @@ mod tests {
 
     #[test]
     fn a_point_comes_back() {
-        assert_eq!(Polar::of([1.0, 2.0], [1.0, 7.0]), Polar { radius: 5.0, angle: 90.0 });
-        assert_eq!(Polar { radius: 5.0, angle: 180.0 }.point([1.0, 2.0]), [-4.0, 2.0]);
+        assert_eq!(PolarPoint::of([1.0, 2.0], [1.0, 7.0]), PolarPoint { radius: 5.0, angle: 90.0 });
+        assert_eq!(PolarPoint { radius: 5.0, angle: 180.0 }.point([1.0, 2.0]), [-4.0, 2.0]);
     }
 }

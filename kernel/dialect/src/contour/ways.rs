@@ -19,7 +19,7 @@ pub(crate) enum PathShape {
 
 /// How large a path is, and on which side of the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Side {
+pub(crate) struct PathDimensions {
     /// Length of a straight path, not negative; radius of a circle of the tool centre, negative on the other side of
     /// its path.
     pub(crate) size: f64,
@@ -32,7 +32,7 @@ pub(crate) struct Side {
 }
 
 /// The circle of a path about its centre.
-struct Round {
+struct TangentCircle {
     center: Point,
     /// Radius on the contour; the tool centre moves on a circle with the size of the path.
     radius: f64,
@@ -40,17 +40,17 @@ struct Round {
     on_left: bool,
 }
 
-impl Side {
+impl PathDimensions {
     fn of(self, heading: Point) -> Point {
         if self.on_left { left(heading) } else { times(left(heading), -1.0) }
     }
 
     /// The circle that is tangent to the path of the tool centre beside a point. None if the compensated tool is larger
     /// than a circle on the other side.
-    fn round(self, at: Point, heading: Point) -> Option<Round> {
+    fn round(self, at: Point, heading: Point) -> Option<TangentCircle> {
         let signed = self.size + self.beside;
         let center = along(at, self.of(heading), signed);
-        (signed * self.size > 0.0).then(|| Round {
+        (signed * self.size > 0.0).then(|| TangentCircle {
             center,
             radius: signed.abs(),
             on_left: self.on_left == (self.size > 0.0),
@@ -58,12 +58,12 @@ impl Side {
     }
 
     /// Where a path that leads the tool centre to a point of its circle is on the contour.
-    fn on_contour(self, round: &Round, point: Point) -> Point {
+    fn on_contour(self, round: &TangentCircle, point: Point) -> Point {
         along(round.center, minus(point, round.center), round.radius / self.size.abs())
     }
 }
 
-impl Round {
+impl TangentCircle {
     /// The radius of an arc of its circle, negative for more than half of it.
     fn radius_between(&self, from: Point, to: Point) -> f64 {
         let around = turn(minus(from, self.center), minus(to, self.center));
@@ -74,11 +74,11 @@ impl Round {
 
 /// A path to a contour. Points are those of the contour, which the tool centre passes at its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Approach {
+pub(crate) struct ApproachPath {
     /// Where its last part begins.
     pub(crate) begin: Point,
     /// The last part, if it is an arc.
-    pub(crate) arc: Option<Arc>,
+    pub(crate) arc: Option<RadiusArc>,
     /// The compensation begins with the last part.
     pub(crate) begins_plain: bool,
     /// Direction at its end.
@@ -87,7 +87,7 @@ pub(crate) struct Approach {
 
 /// An arc of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Arc {
+pub(crate) struct RadiusArc {
     /// Negative for more than half a circle.
     pub(crate) radius: f64,
     pub(crate) clockwise: bool,
@@ -95,11 +95,16 @@ pub(crate) struct Arc {
 
 /// A path from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does
 /// not fit.
-pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
+pub(crate) fn approach(
+    way: PathShape,
+    from: Point,
+    (to, heading): (Point, Point),
+    side: PathDimensions,
+) -> Option<ApproachPath> {
     if side.size == 0.0 {
         return None;
     }
-    let straight = |begin, begins_plain, heading| Some(Approach { begin, arc: None, begins_plain, heading });
+    let straight = |begin, begins_plain, heading| Some(ApproachPath { begin, arc: None, begins_plain, heading });
     let circle = match way {
         PathShape::Straight => return straight(along(to, heading, -side.size), false, heading),
         PathShape::Normal => {
@@ -114,8 +119,8 @@ pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point
     } else {
         side.on_contour(&circle, touch(from, circle.center, side.size.abs(), !circle.on_left)?)
     };
-    let arc = Arc { radius: circle.radius_between(begin, to), clockwise: !circle.on_left };
-    Some(Approach { begin, arc: Some(arc), begins_plain: false, heading })
+    let arc = RadiusArc { radius: circle.radius_between(begin, to), clockwise: !circle.on_left };
+    Some(ApproachPath { begin, arc: Some(arc), begins_plain: false, heading })
 }
 
 /// A path from a contour. Points that follow an arc with compensation are those of the contour, others of the tool
@@ -123,13 +128,18 @@ pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Departure {
     Line { to: Point, heading: Point },
-    Arc { to: Point, arc: Arc, heading: Point },
-    ArcAndLine { leave: Point, arc: Arc, to: Point },
+    Arc { to: Point, arc: RadiusArc, heading: Point },
+    ArcAndLine { leave: Point, arc: RadiusArc, to: Point },
 }
 
 /// A path from the end of a contour and its direction there; only a path on a line and a circle goes to `goal`. None if
 /// that is inside the circle, or if the tool is larger than a circle on the other side.
-pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
+pub(crate) fn depart(
+    way: PathShape,
+    (from, heading): (Point, Point),
+    goal: Point,
+    side: PathDimensions,
+) -> Option<Departure> {
     let across = side.of(heading);
     Some(match way {
         PathShape::Straight => {
@@ -141,14 +151,18 @@ pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Poin
             let angle = if circle.on_left { side.angle } else { -side.angle };
             let to = along(circle.center, turned(minus(from, circle.center), angle), 1.0);
             let radius = if side.angle > 180.0 { -circle.radius } else { circle.radius };
-            Departure::Arc { to, arc: Arc { radius, clockwise: !circle.on_left }, heading: turned(heading, angle) }
+            Departure::Arc {
+                to,
+                arc: RadiusArc { radius, clockwise: !circle.on_left },
+                heading: turned(heading, angle),
+            }
         }
         PathShape::LineAndCircle => {
             let circle = side.round(from, heading)?;
             // Seen from the end the same as an approach, in the opposite direction.
             let touched = touch(goal, circle.center, side.size.abs(), circle.on_left)?;
             let leave = side.on_contour(&circle, touched);
-            let arc = Arc { radius: circle.radius_between(from, leave), clockwise: !circle.on_left };
+            let arc = RadiusArc { radius: circle.radius_between(from, leave), clockwise: !circle.on_left };
             Departure::ArcAndLine { leave, arc, to: goal }
         }
     })
@@ -164,7 +178,7 @@ mod tests {
         assert!(libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
     }
 
-    fn arc_to(way: PathShape, from: Point, side: Side) -> (Point, f64, bool) {
+    fn arc_to(way: PathShape, from: Point, side: PathDimensions) -> (Point, f64, bool) {
         let to = approach(way, from, ([0.0, 0.0], EAST), side).unwrap();
         let arc = to.arc.unwrap();
         (to.begin, arc.radius, arc.clockwise)
@@ -172,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_quarter_to_and_from_a_line_along_x() {
-        let side = Side { size: 5.0, on_left: true, beside: 0.0, angle: 90.0 };
+        let side = PathDimensions { size: 5.0, on_left: true, beside: 0.0, angle: 90.0 };
         let (begin, radius, clockwise) = arc_to(PathShape::Circle, [-20.0, 20.0], side);
         near(begin, [-5.0, 5.0]);
         assert_eq!((radius, clockwise), (5.0, false));
@@ -183,7 +197,7 @@ mod tests {
         near(to, [5.0, 5.0]);
         near(heading, [0.0, 1.0]);
         assert_eq!((arc.radius, arc.clockwise), (5.0, false));
-        let none = Side { size: 0.0, ..side };
+        let none = PathDimensions { size: 0.0, ..side };
         assert_eq!(approach(PathShape::Straight, [0.0, 0.0], ([0.0, 0.0], EAST), none), None);
         assert_eq!(depart(PathShape::LineAndCircle, ([0.0, 0.0], EAST), [0.0, 4.0], side), None);
     }
@@ -191,7 +205,7 @@ mod tests {
     /// The circle of the tool centre has the size of the path, so that of the contour is larger by the tool.
     #[test]
     fn circles_are_those_of_the_tool_centre() {
-        let side = Side { size: 8.0, on_left: true, beside: 6.0, angle: 90.0 };
+        let side = PathDimensions { size: 8.0, on_left: true, beside: 6.0, angle: 90.0 };
         let (begin, radius, _) = arc_to(PathShape::Circle, [-40.0, 30.0], side);
         near(begin, [-14.0, 14.0]);
         assert_eq!(radius, 14.0);
@@ -210,7 +224,7 @@ mod tests {
 
     #[test]
     fn straight_ways_end_beside_the_contour() {
-        let side = Side { size: 15.0, on_left: false, beside: 6.0, angle: 90.0 };
+        let side = PathDimensions { size: 15.0, on_left: false, beside: 6.0, angle: 90.0 };
         let to = approach(PathShape::Normal, [0.0, -40.0], ([0.0, 0.0], EAST), side).unwrap();
         assert_eq!((to.begin, to.begins_plain), ([0.0, -21.0], true));
         let to = approach(PathShape::Straight, [0.0, -40.0], ([0.0, 0.0], EAST), side).unwrap();
@@ -223,11 +237,11 @@ mod tests {
     /// A negative radius comes from the other side of the path of the tool centre.
     #[test]
     fn a_negative_radius_turns_to_the_other_side() {
-        let side = Side { size: -8.0, on_left: true, beside: 6.0, angle: 90.0 };
+        let side = PathDimensions { size: -8.0, on_left: true, beside: 6.0, angle: 90.0 };
         let (begin, radius, clockwise) = arc_to(PathShape::Circle, [-40.0, -30.0], side);
         near(begin, [-2.0, -2.0]);
         assert_eq!((radius, clockwise), (2.0, true));
-        let small = Side { size: -4.0, ..side };
+        let small = PathDimensions { size: -4.0, ..side };
         assert_eq!(approach(PathShape::Circle, [-40.0, -30.0], ([0.0, 0.0], EAST), small), None);
     }
 }

@@ -3,36 +3,38 @@
 //! *Invariant:* operations are in the order in which the program wrote their operands, so evaluation requests values in
 //! that order.
 
-use crate::numeric::{Function, Operator};
+use crate::numeric::{NumericFunction, NumericOperator};
 
 /// An operation: `V` is a value, `X` an operand that only the dialect has, such as a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Op<V, X> {
+pub(crate) enum ExpressionOp<V, X> {
     /// A constant.
     Value(V),
     /// A function of one value.
-    Apply(Function),
+    Apply(NumericFunction),
     /// An operator between two values.
-    Combine(Operator),
-    /// An operator between a value and a constant, which [`Code::new`] makes of both.
-    CombineWith(Operator, V),
+    Combine(NumericOperator),
+    /// An operator between a value and a constant, which [`CompiledExpression::new`] makes of both.
+    CombineWith(NumericOperator, V),
     /// An operation of the dialect.
     Own(X),
 }
 
 /// A compiled expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Code<V, X> {
-    ops: Box<[Op<V, X>]>,
+pub(crate) struct CompiledExpression<V, X> {
+    ops: Box<[ExpressionOp<V, X>]>,
 }
 
-impl<V, X> Code<V, X> {
+impl<V, X> CompiledExpression<V, X> {
     /// From operations that leave one value.
-    pub(crate) fn new(ops: Vec<Op<V, X>>) -> Self {
-        let mut out: Vec<Op<V, X>> = Vec::with_capacity(ops.len());
+    pub(crate) fn new(ops: Vec<ExpressionOp<V, X>>) -> Self {
+        let mut out: Vec<ExpressionOp<V, X>> = Vec::with_capacity(ops.len());
         for op in ops {
             match (op, out.pop()) {
-                (Op::Combine(operator), Some(Op::Value(right))) => out.push(Op::CombineWith(operator, right)),
+                (ExpressionOp::Combine(operator), Some(ExpressionOp::Value(right))) => {
+                    out.push(ExpressionOp::CombineWith(operator, right))
+                }
                 (op, before) => out.extend(before.into_iter().chain([op])),
             }
         }
@@ -41,28 +43,28 @@ impl<V, X> Code<V, X> {
 
     /// A constant.
     pub(crate) fn constant(value: V) -> Self {
-        Self::new(vec![Op::Value(value)])
+        Self::new(vec![ExpressionOp::Value(value)])
     }
 
     /// One operation of the dialect, without operands.
     pub(crate) fn own(own: X) -> Self {
-        Self::new(vec![Op::Own(own)])
+        Self::new(vec![ExpressionOp::Own(own)])
     }
 
     /// Its operations.
-    pub(crate) fn ops(&self) -> &[Op<V, X>] {
+    pub(crate) fn ops(&self) -> &[ExpressionOp<V, X>] {
         &self.ops
     }
 
     /// The same, to be made part of another expression.
-    pub(crate) fn into_ops(self) -> Vec<Op<V, X>> {
+    pub(crate) fn into_ops(self) -> Vec<ExpressionOp<V, X>> {
         self.ops.into_vec()
     }
 
     /// Its value, if it is a constant.
     pub(crate) fn as_constant(&self) -> Option<&V> {
         match &*self.ops {
-            [Op::Value(value)] => Some(value),
+            [ExpressionOp::Value(value)] => Some(value),
             _ => None,
         }
     }
@@ -70,7 +72,7 @@ impl<V, X> Code<V, X> {
     /// The operation of the dialect that it consists of, as a variable alone.
     pub(crate) fn as_own(&self) -> Option<&X> {
         match &*self.ops {
-            [Op::Own(own)] => Some(own),
+            [ExpressionOp::Own(own)] => Some(own),
             _ => None,
         }
     }

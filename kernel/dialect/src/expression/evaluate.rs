@@ -4,8 +4,8 @@
 
 use arrayvec::ArrayVec;
 
-use super::code::{Code, Op};
-use crate::numeric::{Function, Operator};
+use super::code::{CompiledExpression, ExpressionOp};
+use crate::numeric::{NumericFunction, NumericOperator};
 
 /// Operands that wait for their operator without room from the heap.
 const INLINE: usize = 16;
@@ -56,38 +56,40 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     ///
     /// # Errors
     /// It has no value.
-    fn apply(&mut self, function: Function, value: V) -> Result<V, Self::Stop>;
+    fn apply(&mut self, function: NumericFunction, value: V) -> Result<V, Self::Stop>;
 
     /// Value of an operator.
     ///
     /// # Errors
     /// It has no value.
-    fn combine(&mut self, operator: Operator, left: V, right: V) -> Result<V, Self::Stop>;
+    fn combine(&mut self, operator: NumericOperator, left: V, right: V) -> Result<V, Self::Stop>;
 
     /// Value of an expression.
     ///
     /// # Errors
     /// That of the first operation without a value.
     #[inline]
-    fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
+    fn evaluate(&mut self, code: &CompiledExpression<V, X>) -> Result<V, Self::Stop> {
         // The top value stays out of the stack until another value waits above it.
         let mut stack = Stack::new();
         let Some((first, ops)) = code.ops().split_first() else { return Ok(V::default()) };
         let mut top = match first {
-            Op::Value(value) => value.clone(),
-            Op::Own(own) => self.own(own, &mut stack)?,
+            ExpressionOp::Value(value) => value.clone(),
+            ExpressionOp::Own(own) => self.own(own, &mut stack)?,
             // Nothing that is compiled begins with an operator.
             _ => V::default(),
         };
         for op in ops {
             match op {
-                Op::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
-                Op::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,
-                Op::Combine(operator) => top = self.combine(*operator, stack.pop(), std::mem::take(&mut top))?,
-                Op::CombineWith(operator, right) => {
+                ExpressionOp::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
+                ExpressionOp::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,
+                ExpressionOp::Combine(operator) => {
+                    top = self.combine(*operator, stack.pop(), std::mem::take(&mut top))?
+                }
+                ExpressionOp::CombineWith(operator, right) => {
                     top = self.combine(*operator, std::mem::take(&mut top), right.clone())?;
                 }
-                Op::Own(own) => {
+                ExpressionOp::Own(own) => {
                     stack.push(std::mem::take(&mut top));
                     top = self.own(own, &mut stack)?;
                 }
@@ -110,31 +112,46 @@ mod tests {
             Ok(stack.pop() + 100.0)
         }
 
-        fn apply(&mut self, function: Function, value: f64) -> Result<f64, ()> {
+        fn apply(&mut self, function: NumericFunction, value: f64) -> Result<f64, ()> {
             function.value(value).ok_or(())
         }
 
-        fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Result<f64, ()> {
+        fn combine(&mut self, operator: NumericOperator, left: f64, right: f64) -> Result<f64, ()> {
             operator.value(left, right).ok_or(())
         }
     }
 
     #[test]
     fn operations_take_their_operands_in_the_order_of_the_text() {
-        let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Combine(Operator::Sub), Op::Own(())];
-        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(105.0));
+        let ops = vec![
+            ExpressionOp::Value(7.0),
+            ExpressionOp::Value(2.0),
+            ExpressionOp::Combine(NumericOperator::Sub),
+            ExpressionOp::Own(()),
+        ];
+        assert_eq!(Numbers.evaluate(&CompiledExpression::new(ops)), Ok(105.0));
         // A constant on the right, and an operand that is not constant.
-        let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Own(()), Op::Combine(Operator::Sub)];
-        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(-95.0));
-        let ops = vec![Op::Value(1.0), Op::Value(0.0), Op::Combine(Operator::Div), Op::Own(())];
-        assert_eq!(Numbers.evaluate(&Code::new(ops)), Err(()));
+        let ops = vec![
+            ExpressionOp::Value(7.0),
+            ExpressionOp::Value(2.0),
+            ExpressionOp::Own(()),
+            ExpressionOp::Combine(NumericOperator::Sub),
+        ];
+        assert_eq!(Numbers.evaluate(&CompiledExpression::new(ops)), Ok(-95.0));
+        let ops = vec![
+            ExpressionOp::Value(1.0),
+            ExpressionOp::Value(0.0),
+            ExpressionOp::Combine(NumericOperator::Div),
+            ExpressionOp::Own(()),
+        ];
+        assert_eq!(Numbers.evaluate(&CompiledExpression::new(ops)), Err(()));
     }
 
     #[test]
     fn any_number_of_operands_may_wait() {
-        let mut ops: Vec<Op<f64, ()>> = (0..100).map(|value| Op::Value(f64::from(value))).collect();
-        ops.extend((0..99).map(|_| Op::Combine(Operator::Sub)));
+        let mut ops: Vec<ExpressionOp<f64, ()>> = (0..100).map(|value| ExpressionOp::Value(f64::from(value))).collect();
+        ops.extend((0..99).map(|_| ExpressionOp::Combine(NumericOperator::Sub)));
         let expected = (0..100).rev().fold(0.0, |right, left| f64::from(left) - right);
-        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(expected));
+        assert_eq!(Numbers.evaluate(&CompiledExpression::new(ops)), Ok(expected));
     }
 }

@@ -8,6 +8,6 @@ mod code;
 mod evaluate;
 mod read;
 
-pub(super) use code::{Code, Op};
+pub(super) use code::{CompiledExpression, ExpressionOp};
 pub(super) use evaluate::{Evaluate, Stack};
-pub(super) use read::{COMPARISONS, Grammar, Operators, Part, Sign, read, signed};
+pub(super) use read::{COMPARISONS, ExpressionPart, Grammar, Operators, PrefixOperator, read, signed};

@@ -3,25 +3,25 @@
 //! *Invariant:* operators of one level bind from left to right. Reading recurses once per level and operand, so a bound
 //! on the nesting of operands also bounds the stack.
 
-use super::code::Op;
-use crate::numeric::{Function, Operator};
+use super::code::ExpressionOp;
+use crate::numeric::{NumericFunction, NumericOperator};
 
 /// Operators by level, loosest first: their words and their operations.
-pub(crate) type Operators = &'static [&'static [(&'static str, Operator)]];
+pub(crate) type Operators = &'static [&'static [(&'static str, NumericOperator)]];
 
 /// Comparisons of the controls that write them as words.
-pub(crate) const COMPARISONS: &[(&str, Operator)] = &[
-    ("EQ", Operator::Eq),
-    ("NE", Operator::Ne),
-    ("GT", Operator::Gt),
-    ("GE", Operator::Ge),
-    ("LT", Operator::Lt),
-    ("LE", Operator::Le),
+pub(crate) const COMPARISONS: &[(&str, NumericOperator)] = &[
+    ("EQ", NumericOperator::Eq),
+    ("NE", NumericOperator::Ne),
+    ("GT", NumericOperator::Gt),
+    ("GE", NumericOperator::Ge),
+    ("LT", NumericOperator::Lt),
+    ("LE", NumericOperator::Le),
 ];
 
 /// A prefix of an operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sign {
+pub(crate) enum PrefixOperator {
     /// Changes nothing.
     Plus,
     Minus,
@@ -35,7 +35,7 @@ pub(crate) enum Sign {
 
 /// A compiled part: from one operation to the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct ExpressionPart {
     /// Its first operation.
     pub(crate) start: usize,
     /// Its value is a truth.
@@ -50,10 +50,10 @@ pub(crate) trait Grammar {
     type Mistake;
 
     const OPERATORS: Operators;
-    const SIGNS: &'static [(&'static str, Sign)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)];
 
     /// The part read so far.
-    fn ops(&mut self) -> &mut Vec<Op<Self::Value, Self::Own>>;
+    fn ops(&mut self) -> &mut Vec<ExpressionOp<Self::Value, Self::Own>>;
 
     /// Takes an operator or sign, if it is next in the text.
     fn takes(&mut self, word: &str) -> bool;
@@ -62,7 +62,7 @@ pub(crate) trait Grammar {
     ///
     /// # Errors
     /// There is none.
-    fn operand(&mut self) -> Result<Part, Self::Mistake>;
+    fn operand(&mut self) -> Result<ExpressionPart, Self::Mistake>;
 
     /// A constant with its sign changed, if it is a number.
     fn negated(value: &Self::Value) -> Option<Self::Value>;
@@ -92,38 +92,38 @@ pub(crate) trait Grammar {
     }
 
     /// Adds an operand of one operation.
-    fn push(&mut self, op: Op<Self::Value, Self::Own>) -> Part {
+    fn push(&mut self, op: ExpressionOp<Self::Value, Self::Own>) -> ExpressionPart {
         let ops = self.ops();
         ops.push(op);
-        Part { start: ops.len() - 1, truth: false }
+        ExpressionPart { start: ops.len() - 1, truth: false }
     }
 
     /// Adds a sign to an operand.
-    fn sign(&mut self, sign: Sign, part: Part) -> Part {
+    fn sign(&mut self, sign: PrefixOperator, part: ExpressionPart) -> ExpressionPart {
         let function = match sign {
-            Sign::Plus => return part,
-            Sign::Minus => Function::Neg,
-            Sign::Not => Function::Not,
-            Sign::NotEither if part.truth => Function::Not,
-            Sign::NotBits | Sign::NotEither => Function::NotBits,
+            PrefixOperator::Plus => return part,
+            PrefixOperator::Minus => NumericFunction::Neg,
+            PrefixOperator::Not => NumericFunction::Not,
+            PrefixOperator::NotEither if part.truth => NumericFunction::Not,
+            PrefixOperator::NotBits | PrefixOperator::NotEither => NumericFunction::NotBits,
         };
         let ops = self.ops();
-        if let (Function::Neg, Some(Op::Value(value))) = (function, ops.last_mut())
+        if let (NumericFunction::Neg, Some(ExpressionOp::Value(value))) = (function, ops.last_mut())
             && let Some(negated) = Self::negated(value)
         {
             // A constant is the last operation of its own operand only.
             *value = negated;
             return part;
         }
-        ops.push(Op::Apply(function));
-        Part { truth: function == Function::Not, ..part }
+        ops.push(ExpressionOp::Apply(function));
+        ExpressionPart { truth: function == NumericFunction::Not, ..part }
     }
 
     /// Adds an operator to its operands.
-    fn join(&mut self, operator: Operator, left: Part, right: Part) -> Part {
-        self.ops().push(Op::Combine(operator));
-        let bits = matches!(operator, Operator::BitAnd | Operator::BitOr | Operator::BitXor);
-        Part { start: left.start, truth: operator.compares() || bits && left.truth && right.truth }
+    fn join(&mut self, operator: NumericOperator, left: ExpressionPart, right: ExpressionPart) -> ExpressionPart {
+        self.ops().push(ExpressionOp::Combine(operator));
+        let bits = matches!(operator, NumericOperator::BitAnd | NumericOperator::BitOr | NumericOperator::BitXor);
+        ExpressionPart { start: left.start, truth: operator.compares() || bits && left.truth && right.truth }
     }
 }
 
@@ -131,7 +131,7 @@ pub(crate) trait Grammar {
 ///
 /// # Errors
 /// An operand is missing, or an operator is not allowed.
-pub(crate) fn read<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Result<Part, G::Mistake> {
+pub(crate) fn read<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Result<ExpressionPart, G::Mistake> {
     let mut left = signed(grammar)?;
     let mut before = None;
     while let Some((level, operator)) = operator(grammar, loosest) {
@@ -144,7 +144,7 @@ pub(crate) fn read<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Resu
 }
 
 /// Takes the operator that follows, if its level is at least `loosest`: level and operator.
-fn operator<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Option<(usize, Operator)> {
+fn operator<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Option<(usize, NumericOperator)> {
     for (level, operators) in G::OPERATORS.iter().enumerate().skip(loosest) {
         if grammar.allows(level)
             && let Some((_, operator)) = operators.iter().find(|(word, _)| grammar.takes(word))
@@ -159,7 +159,7 @@ fn operator<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Option<(usi
 ///
 /// # Errors
 /// There is none, or it is nested too deeply.
-pub(crate) fn signed<G: Grammar + ?Sized>(grammar: &mut G) -> Result<Part, G::Mistake> {
+pub(crate) fn signed<G: Grammar + ?Sized>(grammar: &mut G) -> Result<ExpressionPart, G::Mistake> {
     grammar.nest(false)?;
     let mut signs = Vec::new();
     while let Some((_, sign)) = G::SIGNS.iter().find(|(word, _)| grammar.takes(word)) {
@@ -181,7 +181,7 @@ mod tests {
     /// Digits with a few operators; its code is checked as text.
     struct Digits<'t> {
         text: &'t str,
-        ops: Vec<Op<u32, ()>>,
+        ops: Vec<ExpressionOp<u32, ()>>,
     }
 
     impl Grammar for Digits<'_> {
@@ -190,13 +190,14 @@ mod tests {
         type Mistake = &'static str;
 
         const OPERATORS: Operators = &[
-            &[("<", Operator::Lt)],
-            &[("+", Operator::Add), ("-", Operator::Sub), ("&", Operator::BitAnd)],
-            &[("*", Operator::Mul), ("/", Operator::Div)],
+            &[("<", NumericOperator::Lt)],
+            &[("+", NumericOperator::Add), ("-", NumericOperator::Sub), ("&", NumericOperator::BitAnd)],
+            &[("*", NumericOperator::Mul), ("/", NumericOperator::Div)],
         ];
-        const SIGNS: &'static [(&'static str, Sign)] = &[("-", Sign::Minus), ("!", Sign::NotEither)];
+        const SIGNS: &'static [(&'static str, PrefixOperator)] =
+            &[("-", PrefixOperator::Minus), ("!", PrefixOperator::NotEither)];
 
-        fn ops(&mut self) -> &mut Vec<Op<u32, ()>> {
+        fn ops(&mut self) -> &mut Vec<ExpressionOp<u32, ()>> {
             &mut self.ops
         }
 
@@ -206,7 +207,7 @@ mod tests {
             rest.is_some()
         }
 
-        fn operand(&mut self) -> Result<Part, &'static str> {
+        fn operand(&mut self) -> Result<ExpressionPart, &'static str> {
             if self.takes("(") {
                 let part = read(self, 0)?;
                 return if self.takes(")") { Ok(part) } else { Err("open") };
@@ -214,7 +215,7 @@ mod tests {
             let (digit, rest) = self.text.split_at_checked(1).ok_or("the end")?;
             self.text = rest;
             let value = digit.parse().map_err(|_| "not a digit")?;
-            Ok(self.push(Op::Value(value)))
+            Ok(self.push(ExpressionOp::Value(value)))
         }
 
         fn negated(_: &u32) -> Option<u32> {
@@ -229,12 +230,12 @@ mod tests {
     fn postfix(text: &str) -> Result<String, &'static str> {
         let mut digits = Digits { text, ops: Vec::new() };
         read(&mut digits, 0)?;
-        let op = |op: &Op<u32, ()>| match op {
-            Op::Value(value) => value.to_string(),
-            Op::Combine(operator) => format!("{operator:?} "),
-            Op::CombineWith(operator, value) => format!("{value}{operator:?} "),
-            Op::Apply(function) => format!("{function:?} "),
-            Op::Own(()) => String::new(),
+        let op = |op: &ExpressionOp<u32, ()>| match op {
+            ExpressionOp::Value(value) => value.to_string(),
+            ExpressionOp::Combine(operator) => format!("{operator:?} "),
+            ExpressionOp::CombineWith(operator, value) => format!("{value}{operator:?} "),
+            ExpressionOp::Apply(function) => format!("{function:?} "),
+            ExpressionOp::Own(()) => String::new(),
         };
         Ok(digits.ops.iter().map(op).collect())
     }

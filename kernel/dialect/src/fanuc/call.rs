@@ -8,13 +8,13 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{MacroWords, Triples};
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
 use super::access::{Abandoned, eval};
 use super::expr::{is_vacant, number};
-use super::statement::{Name, Statement, TemplateWord};
-use crate::host::{Host, MadeWord};
-use crate::interpreter::{Arguments, MacroCall};
+use super::statement::{FanucStatement, TemplateWord, WordName};
+use crate::host::{InterpreterHost, MadeWord};
+use crate::interpreter::{MacroArguments, MacroCall};
 
 /// How a G word calls.
 pub(super) fn macro_call(g: f64) -> Option<MacroCall> {
@@ -34,28 +34,28 @@ fn with_arguments(g: f64) -> Option<MacroCall> {
 
 /// Reads the words of a call; the word that calls by itself is not one of them.
 pub(super) fn arguments(
-    host: &mut dyn Host,
+    host: &mut dyn InterpreterHost,
     words: &[TemplateWord],
     mut own: Option<(RegisterId, f64)>,
-) -> Result<Arguments, Halt> {
-    let mut read = Arguments::default();
-    let mut triples = Places::of(host.triples());
+) -> Result<MacroArguments, Halt> {
+    let mut read = MacroArguments::default();
+    let mut triples = TripleCounter::of(host.triples());
     let calls = |word: &TemplateWord| {
-        let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
+        let value = word.value.as_constant().copied().filter(|_| word.name == WordName::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
     };
     let by_code = own.is_some();
     let rule = Some(host.macro_words()).filter(|_| !by_code && words.iter().any(calls));
     for word in words {
         let span = (word.start, word.end);
-        let Name::Letter(letter) = word.name else {
+        let WordName::Letter(letter) = word.name else {
             host.keep_text(span);
             continue;
         };
         let register = host.register(letter);
         let value = match (reads_like(host, letter), word.written) {
             // An argument keeps all its digits.
-            (Some(register), Some(number)) => host.read(register, Number { fraction: 0, ..number }),
+            (Some(register), Some(number)) => host.read(register, WrittenNumber { fraction: 0, ..number }),
             _ => match eval(host, &word.value) {
                 Ok(value) => value,
                 Err(Abandoned::Halt(halt)) => return Err(halt),
@@ -116,12 +116,12 @@ pub(super) fn arguments(
 }
 
 /// The number of a word as written, with its register.
-fn as_written(register: Option<(RegisterId, bool)>, word: &TemplateWord) -> Option<(RegisterId, Number)> {
+fn as_written(register: Option<(RegisterId, bool)>, word: &TemplateWord) -> Option<(RegisterId, WrittenNumber)> {
     register.map(|(register, _)| register).zip(word.written)
 }
 
 /// Where the next I, J or K of a call goes.
-struct Places {
+struct TripleCounter {
     rule: Triples,
     /// Triple of the next value of each letter; with values in order that of all.
     next: [u8; 3],
@@ -129,7 +129,7 @@ struct Places {
     last: Option<u8>,
 }
 
-impl Places {
+impl TripleCounter {
     /// Last of the ten triples.
     const LAST: u8 = 9;
 
@@ -162,7 +162,7 @@ impl Places {
 
 /// Register that defines the number format of an argument: that of its letter, or of the axis that the letter
 /// continues.
-fn reads_like(host: &dyn Host, letter: u8) -> Option<RegisterId> {
+fn reads_like(host: &dyn InterpreterHost, letter: u8) -> Option<RegisterId> {
     let axis = match letter {
         b'U'..=b'W' => letter - b'U' + b'X',
         letter => letter,
@@ -171,7 +171,7 @@ fn reads_like(host: &dyn Host, letter: u8) -> Option<RegisterId> {
 }
 
 /// Arguments come after the word that calls, and a G word is never one.
-fn check_place(host: &mut dyn Host, letter: u8, after: bool) -> Acted {
+fn check_place(host: &mut dyn InterpreterHost, letter: u8, after: bool) -> Acted {
     if matches!(letter, b'N' | b'O') {
         return Ok(());
     }
@@ -188,10 +188,10 @@ fn check_place(host: &mut dyn Host, letter: u8, after: bool) -> Acted {
 }
 
 /// The words of a block, also after THEN.
-pub(super) fn words_of(statement: &Statement) -> Option<&[TemplateWord]> {
+pub(super) fn words_of(statement: &FanucStatement) -> Option<&[TemplateWord]> {
     match statement {
-        Statement::Words(words) => Some(words),
-        Statement::IfThen(_, inner) => words_of(inner),
+        FanucStatement::Words(words) => Some(words),
+        FanucStatement::IfThen(_, inner) => words_of(inner),
         _ => None,
     }
 }
@@ -223,10 +223,10 @@ fn variable(letter: u8) -> Option<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Places, Triples};
+    use super::{TripleCounter, Triples};
 
     fn variables(rule: Triples, letters: &str) -> Vec<u8> {
-        let mut places = Places::of(rule);
+        let mut places = TripleCounter::of(rule);
         letters.bytes().map(|letter| places.variable(letter - b'I')).collect()
     }
 

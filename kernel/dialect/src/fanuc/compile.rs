@@ -1,18 +1,18 @@
-//! From the text of a line to a [`Line`]: its statement.
+//! From the text of a line to a [`FanucLine`]: its statement.
 
 use super::control::{KEY_WORDS, STATEMENTS};
-use super::cursor::{Error, NESTING, Parser};
+use super::cursor::{FanucParser, FanucSyntaxError, NESTING};
 use super::expr::{Expr, variable_index};
-use super::statement::{Line, Name, Statement, Target, TemplateWord};
-use crate::statement::Shared;
-use counterpoint_program::key_words::{Names, key_word};
+use super::statement::{AssignmentTarget, FanucLine, FanucStatement, TemplateWord, WordName};
+use crate::statement::SharedStatement;
+use counterpoint_program::key_words::{StatementVocabulary, key_word};
 
 /// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
 ///
 /// # Errors
-/// [`Error`] with the column and the expected input.
-pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
-    let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
+/// [`FanucSyntaxError`] with the column and the expected input.
+pub(super) fn compile(text: &[u8], names: StatementVocabulary<'_>) -> Result<FanucLine, FanucSyntaxError> {
+    let mut parser = FanucParser { text, at: 0, depth: 0, names, written: None, name: None };
     let mut sequence = None;
     parser.blanks();
     if matches!(parser.peek(), Some(b'N' | b'n')) {
@@ -31,14 +31,14 @@ pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
         return Err(parser.error("the end of the statement"));
     }
     let executes = match &statement {
-        Statement::Words(words) => words.iter().any(|word| word.value.as_constant().is_none()),
+        FanucStatement::Words(words) => words.iter().any(|word| word.value.as_constant().is_none()),
         _ => true,
     };
-    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default(), executes })
+    Ok(FanucLine { sequence, statement, place, name: parser.name, messages: Box::default(), executes })
 }
 
-impl Parser<'_> {
-    fn statement(&mut self) -> Result<Statement, Error> {
+impl FanucParser<'_> {
+    fn statement(&mut self) -> Result<FanucStatement, FanucSyntaxError> {
         if self.peek() == Some(b'#') {
             return self.assignments();
         }
@@ -52,18 +52,18 @@ impl Parser<'_> {
                 if self.keyword(&["DO"]).is_none() {
                     return Err(self.error("DO after the condition"));
                 }
-                Ok(Statement::While(condition, self.loop_number()?))
+                Ok(FanucStatement::While(condition, self.loop_number()?))
             }
-            Some("DO") => Ok(Statement::Do(self.loop_number()?)),
-            Some("END") => Ok(Statement::End(self.loop_number()?)),
-            Some("ENDIF") => Ok(Statement::EndIf),
-            Some("ELSE") => Ok(Statement::Else),
-            Some("GOTO") => Ok(Statement::Goto(self.jump_target()?)),
+            Some("DO") => Ok(FanucStatement::Do(self.loop_number()?)),
+            Some("END") => Ok(FanucStatement::End(self.loop_number()?)),
+            Some("ENDIF") => Ok(FanucStatement::EndIf),
+            Some("ELSE") => Ok(FanucStatement::Else),
+            Some("GOTO") => Ok(FanucStatement::Goto(self.jump_target()?)),
             Some("THEN") => Err(self.error("IF before THEN")),
-            Some("DPRNT") => Ok(Statement::Print(self.items(2)?)),
-            Some("BPRNT") => Ok(Statement::PrintBinary(self.items(1)?)),
-            Some(word) => match Shared::of(STATEMENTS, word) {
-                Some(shared) => Ok(Statement::Shared(shared, self.operands(shared.operands)?)),
+            Some("DPRNT") => Ok(FanucStatement::Print(self.items(2)?)),
+            Some("BPRNT") => Ok(FanucStatement::PrintBinary(self.items(1)?)),
+            Some(word) => match SharedStatement::of(STATEMENTS, word) {
+                Some(shared) => Ok(FanucStatement::Shared(shared, self.operands(shared.operands)?)),
                 None => self.words(),
             },
             None => self.words(),
@@ -71,7 +71,7 @@ impl Parser<'_> {
     }
 
     /// This many operands in brackets, with commas between them.
-    fn operands(&mut self, count: usize) -> Result<Box<[Expr]>, Error> {
+    fn operands(&mut self, count: usize) -> Result<Box<[Expr]>, FanucSyntaxError> {
         let mut operands = Vec::with_capacity(count);
         for at in 0..count {
             if !self.accept(if at == 0 { b'[' } else { b',' }) {
@@ -87,11 +87,11 @@ impl Parser<'_> {
         Ok(operands.into())
     }
 
-    fn conditional(&mut self) -> Result<Statement, Error> {
+    fn conditional(&mut self) -> Result<FanucStatement, FanucSyntaxError> {
         let condition = self.condition()?;
         match self.keyword(&["GOTO", "THEN"]) {
-            Some("GOTO") => Ok(Statement::IfGoto(condition, self.jump_target()?)),
-            Some(_) if self.peek().is_none() => Ok(Statement::IfBlock(condition)),
+            Some("GOTO") => Ok(FanucStatement::IfGoto(condition, self.jump_target()?)),
+            Some(_) if self.peek().is_none() => Ok(FanucStatement::IfBlock(condition)),
             Some(_) => self.then(condition),
             None if self.names.formulas.bare_conditions && self.peek().is_some() => self.then(condition),
             None => Err(self.error("GOTO or THEN after the condition")),
@@ -99,26 +99,26 @@ impl Parser<'_> {
     }
 
     /// The statement of a condition.
-    fn then(&mut self, condition: Expr) -> Result<Statement, Error> {
+    fn then(&mut self, condition: Expr) -> Result<FanucStatement, FanucSyntaxError> {
         self.depth += 1;
         if self.depth > NESTING {
             return Err(self.error("less nesting"));
         }
         let start = self.at;
         let inner = self.statement()?;
-        if self.names.formulas.one_then && matches!(&inner, Statement::Assign(list) if list.len() > 1) {
+        if self.names.formulas.one_then && matches!(&inner, FanucStatement::Assign(list) if list.len() > 1) {
             self.at = start;
             return Err(self.error("one statement after THEN"));
         }
-        if self.names.formulas.macro_then && matches!(&inner, Statement::Words(words) if !calls_macro(words)) {
+        if self.names.formulas.macro_then && matches!(&inner, FanucStatement::Words(words) if !calls_macro(words)) {
             self.at = start;
             return Err(self.error("a macro statement after THEN; jump over the block with IF GOTO instead"));
         }
         self.depth -= 1;
-        Ok(Statement::IfThen(condition, Box::new(inner)))
+        Ok(FanucStatement::IfThen(condition, Box::new(inner)))
     }
 
-    fn loop_number(&mut self) -> Result<u8, Error> {
+    fn loop_number(&mut self) -> Result<u8, FanucSyntaxError> {
         let most = self.names.formulas.loops.unwrap_or(3);
         match self.unsigned().map(u8::try_from) {
             Some(Ok(number)) if (1..=most).contains(&number) => Ok(number),
@@ -126,7 +126,7 @@ impl Parser<'_> {
         }
     }
 
-    fn jump_target(&mut self) -> Result<Expr, Error> {
+    fn jump_target(&mut self) -> Result<Expr, FanucSyntaxError> {
         match self.peek() {
             Some(b'0'..=b'9') => Ok(Expr::constant(f64::from(self.unsigned().unwrap_or(0)))),
             Some(b'[' | b'#') => {
@@ -138,7 +138,7 @@ impl Parser<'_> {
         }
     }
 
-    fn condition(&mut self) -> Result<Expr, Error> {
+    fn condition(&mut self) -> Result<Expr, FanucSyntaxError> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' before the condition"));
         }
@@ -152,7 +152,7 @@ impl Parser<'_> {
         self.checked(ops)
     }
 
-    fn assignments(&mut self) -> Result<Statement, Error> {
+    fn assignments(&mut self) -> Result<FanucStatement, FanucSyntaxError> {
         let mut list = Vec::new();
         while self.accept(b'#') {
             let mut target = Vec::new();
@@ -164,16 +164,19 @@ impl Parser<'_> {
             self.logical(&mut value)?;
             let target = self.checked(target)?;
             let number = target.as_constant().and_then(|number| variable_index(*number).ok());
-            list.push((number.map_or(Target::Indirect(target), Target::Variable), self.checked(value)?));
+            list.push((
+                number.map_or(AssignmentTarget::Indirect(target), AssignmentTarget::Variable),
+                self.checked(value)?,
+            ));
         }
-        Ok(Statement::Assign(list))
+        Ok(FanucStatement::Assign(list))
     }
 }
 
 /// Whether the words are a macro call, which is a macro statement.
 fn calls_macro(words: &[TemplateWord]) -> bool {
     words.iter().any(|word| {
-        word.name == Name::Letter(b'G')
+        word.name == WordName::Letter(b'G')
             && word.value.as_constant().is_some_and(|&code| super::call::macro_call(code).is_some())
     })
 }
@@ -183,15 +186,15 @@ mod tests {
     use super::*;
     use crate::statement::OPEN_OUTPUT;
 
-    fn plain(text: &[u8]) -> Result<Line, Error> {
-        compile(text, Names { key_words: KEY_WORDS, ..Names::default() })
+    fn plain(text: &[u8]) -> Result<FanucLine, FanucSyntaxError> {
+        compile(text, StatementVocabulary { key_words: KEY_WORDS, ..StatementVocabulary::default() })
     }
 
     #[test]
     fn operands_of_statements_stand_in_brackets() {
         let operands = |text: &str, count| {
-            let names = Names::default();
-            let mut parser = Parser { text: text.as_bytes(), at: 0, depth: 0, names, written: None, name: None };
+            let names = StatementVocabulary::default();
+            let mut parser = FanucParser { text: text.as_bytes(), at: 0, depth: 0, names, written: None, name: None };
             parser.operands(count).map(|operands| operands.len())
         };
         assert_eq!((operands("", 0), operands("[#1+2]", 1), operands("[1, [2]]", 2)), (Ok(0), Ok(1), Ok(2)));
@@ -201,17 +204,17 @@ mod tests {
     #[test]
     fn statements() {
         let kind = |text: &str| plain(text.as_bytes()).map(|l| l.statement);
-        assert!(matches!(kind("IF[#4GT0]GOTO10"), Ok(Statement::IfGoto(..))));
-        assert!(matches!(kind("N10 IF [#1 EQ 2] THEN #3=4"), Ok(Statement::IfThen(..))));
-        assert!(matches!(kind("WHILE[#1LT200000]DO1"), Ok(Statement::While(_, 1))));
-        assert!(matches!(kind("WH[#1LT3]DO2"), Ok(Statement::While(_, 2))));
-        assert!(matches!(kind("END1"), Ok(Statement::End(1))));
-        assert!(matches!(kind("EN2"), Ok(Statement::End(2))));
-        assert!(matches!(kind("ENDIF"), Ok(Statement::EndIf)));
-        assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
-        assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Print(_))));
-        assert!(matches!(kind("BP[C**#1[2]D]"), Ok(Statement::PrintBinary(items)) if items.len() == 3));
-        assert_eq!(kind("POPEN"), Ok(Statement::Shared(&OPEN_OUTPUT, Box::default())));
+        assert!(matches!(kind("IF[#4GT0]GOTO10"), Ok(FanucStatement::IfGoto(..))));
+        assert!(matches!(kind("N10 IF [#1 EQ 2] THEN #3=4"), Ok(FanucStatement::IfThen(..))));
+        assert!(matches!(kind("WHILE[#1LT200000]DO1"), Ok(FanucStatement::While(_, 1))));
+        assert!(matches!(kind("WH[#1LT3]DO2"), Ok(FanucStatement::While(_, 2))));
+        assert!(matches!(kind("END1"), Ok(FanucStatement::End(1))));
+        assert!(matches!(kind("EN2"), Ok(FanucStatement::End(2))));
+        assert!(matches!(kind("ENDIF"), Ok(FanucStatement::EndIf)));
+        assert!(matches!(kind("GO20"), Ok(FanucStatement::Goto(_))));
+        assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(FanucStatement::Print(_))));
+        assert!(matches!(kind("BP[C**#1[2]D]"), Ok(FanucStatement::PrintBinary(items)) if items.len() == 3));
+        assert_eq!(kind("POPEN"), Ok(FanucStatement::Shared(&OPEN_OUTPUT, Box::default())));
         for wrong in
             ["DPRNT", "DPRNT[X#1]", "DPRNT[X#1[4]]", "DPRNT[X#1[42]", "BPRNT[#1[42]]", "DPRNT[]]", "DPRNT[A[B]"]
         {

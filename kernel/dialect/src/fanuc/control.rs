@@ -3,7 +3,7 @@
 use super::{Fanuc, call};
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::{Interpreter, MacroCall};
-use crate::outline::Reader;
+use crate::outline::OutlineReader;
 use crate::statement::{CLOSE_OUTPUT, OPEN_OUTPUT, Statements};
 use counterpoint_machine::Machine;
 use counterpoint_program::key_words::KeyWords;
@@ -25,9 +25,9 @@ key_words!(
 static SYNTAX: Syntax = Syntax { angle_names: true, call_words: &["G65", "G66"], key_words: Some(KEY_WORDS), ..PLAIN };
 
 /// Fanuc controls and those with their macro language.
-pub(crate) struct Control;
+pub(crate) struct FanucDialect;
 
-impl Dialect for Control {
+impl Dialect for FanucDialect {
     fn name(&self) -> &'static str {
         "fanuc"
     }
@@ -52,7 +52,7 @@ impl Dialect for Control {
         self.nested()
     }
 
-    fn reader(&self, _: &Machine) -> Option<Box<dyn Reader>> {
+    fn reader(&self, _: &Machine) -> Option<Box<dyn OutlineReader>> {
         Some(Box::<Fanuc>::default())
     }
 

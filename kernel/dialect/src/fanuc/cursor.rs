@@ -2,12 +2,12 @@
 //!
 //! Invariant: blanks never count; text that was taken is never looked at again.
 
-use counterpoint_program::key_words::{Names, Number};
+use counterpoint_program::key_words::{StatementVocabulary, WrittenNumber};
 
 /// Why a line cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("column {}: {text}", .at + 1)]
-pub(super) struct Error {
+pub(super) struct FanucSyntaxError {
     /// Byte in the line.
     pub(super) at: usize,
     /// The expected input.
@@ -20,23 +20,23 @@ pub(super) struct Error {
 pub(super) const NESTING: usize = 32;
 
 /// Reads a line from left to right.
-pub(super) struct Parser<'a> {
+pub(super) struct FanucParser<'a> {
     pub(super) text: &'a [u8],
     pub(super) at: usize,
     pub(super) depth: usize,
-    pub(super) names: Names<'a>,
+    pub(super) names: StatementVocabulary<'a>,
     /// The value read last, if it is a number as written.
-    pub(super) written: Option<Number>,
+    pub(super) written: Option<WrittenNumber>,
     /// A program name in angle brackets.
     pub(super) name: Option<(u32, u32)>,
 }
 
-impl Parser<'_> {
-    pub(super) fn error(&self, expected: &str) -> Error {
+impl FanucParser<'_> {
+    pub(super) fn error(&self, expected: &str) -> FanucSyntaxError {
         let rest = self.text.get(self.at..).unwrap_or_default();
         let found = String::from_utf8_lossy(rest.get(..rest.len().min(12)).unwrap_or_default()).trim().to_owned();
         let found = if found.is_empty() { "the end of the block".to_owned() } else { format!("'{found}'") };
-        Error { at: self.at, text: format!("expected {expected}, found {found}"), brackets: false }
+        FanucSyntaxError { at: self.at, text: format!("expected {expected}, found {found}"), brackets: false }
     }
 
     pub(super) fn blanks(&mut self) {
@@ -101,12 +101,12 @@ impl Parser<'_> {
         (self.at > start).then_some(value)
     }
 
-    pub(super) fn nest(&mut self) -> Result<(), Error> {
+    pub(super) fn nest(&mut self) -> Result<(), FanucSyntaxError> {
         self.depth += 1;
         let most = self.names.formulas.brackets.map_or(NESTING, usize::from).min(NESTING);
         if self.depth <= most {
             return Ok(());
         }
-        Err(Error { brackets: true, ..self.error(&format!("at most {most} levels of brackets")) })
+        Err(FanucSyntaxError { brackets: true, ..self.error(&format!("at most {most} levels of brackets")) })
     }
 }

@@ -6,35 +6,39 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 
-use super::access::{Abandoned, Access, abandons, eval, eval_at};
+use super::access::{Abandoned, HostVariables, abandons, eval, eval_at};
 use super::compile::compile;
 use super::expr::{Expr, is_vacant, number, to_step, variable_index};
 use super::loops::Pairs;
-use super::statement::{Item, Name, Statement, Target, TemplateWord};
+use super::statement::{AssignmentTarget, FanucStatement, PrintItem, TemplateWord, WordName};
 use super::{Fanuc, print};
-use crate::host::{Host, MadeWord, Programs};
+use crate::host::{InterpreterHost, MadeWord, ProgramHost};
 use crate::interpreter::Remaining;
 use counterpoint_event::FileId;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 impl Fanuc {
-    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Remaining, Abandoned> {
+    pub(super) fn statement(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        statement: &FanucStatement,
+    ) -> Result<Remaining, Abandoned> {
         match statement {
-            Statement::Words(words) => return template(host, words),
-            Statement::IfThen(condition, inner) => {
+            FanucStatement::Words(words) => return template(host, words),
+            FanucStatement::IfThen(condition, inner) => {
                 if truth(host, condition)? {
                     return self.statement(host, inner);
                 }
             }
-            Statement::Assign(list) => list.iter().try_for_each(|(target, value)| assign(host, target, value))?,
-            Statement::IfGoto(condition, target) => {
+            FanucStatement::Assign(list) => list.iter().try_for_each(|(target, value)| assign(host, target, value))?,
+            FanucStatement::IfGoto(condition, target) => {
                 if truth(host, condition)? {
                     self.goto(host, target)?;
                 }
             }
-            Statement::Goto(target) => self.goto(host, target)?,
-            Statement::While(condition, _) => {
+            FanucStatement::Goto(target) => self.goto(host, target)?,
+            FanucStatement::While(condition, _) => {
                 host.tests_loop(true);
                 let goes_on = truth(host, condition);
                 host.tests_loop(false);
@@ -46,26 +50,26 @@ impl Fanuc {
                     self.skip_past(host, Pairs::of_loop)?;
                 }
             }
-            Statement::Do(_) => self.enter_loop(host)?,
-            Statement::End(_) => self.end_loop(host)?,
-            Statement::IfBlock(condition) => {
+            FanucStatement::Do(_) => self.enter_loop(host)?,
+            FanucStatement::End(_) => self.end_loop(host)?,
+            FanucStatement::IfBlock(condition) => {
                 if !truth(host, condition)? {
                     self.skip_past(host, Pairs::of_branch)?;
                 }
             }
-            Statement::Else => self.skip_past(host, Pairs::of_branch)?,
-            Statement::EndIf => {}
-            Statement::Shared(shared, operands) => {
+            FanucStatement::Else => self.skip_past(host, Pairs::of_branch)?,
+            FanucStatement::EndIf => {}
+            FanucStatement::Shared(shared, operands) => {
                 shared.execute(host, operands, |host, operand| eval(host, operand).map(number))?;
             }
-            Statement::Print(items) => print_line(host, items, false)?,
-            Statement::PrintBinary(items) => print_line(host, items, true)?,
+            FanucStatement::Print(items) => print_line(host, items, false)?,
+            FanucStatement::PrintBinary(items) => print_line(host, items, true)?,
         }
         Ok(Remaining::Nothing)
     }
 
     /// The block opens a loop, or starts its next pass.
-    fn enter_loop(&mut self, host: &mut dyn Host) -> Acted {
+    fn enter_loop(&mut self, host: &mut dyn InterpreterHost) -> Acted {
         let (level, start) = (host.level(), host.spot());
         if host.loops().enter(level, start) && self.pairs(host).of_loop(start).is_none() {
             host.loops().leave(level, start);
@@ -75,7 +79,7 @@ impl Fanuc {
     }
 
     /// The end of a loop: its next pass, if the program has come in through its start.
-    fn end_loop(&mut self, host: &mut dyn Host) -> Acted {
+    fn end_loop(&mut self, host: &mut dyn InterpreterHost) -> Acted {
         let Some(start) = self.pairs(host).of_loop(host.spot()) else { return Err(unpaired(host)) };
         let level = host.level();
         if host.loops().repeat(level, start) {
@@ -89,7 +93,7 @@ impl Fanuc {
     }
 
     /// A jump within the program leaves the loops that do not hold its target.
-    pub(super) fn leave_loops(&mut self, host: &mut dyn Host, target: Spot) {
+    pub(super) fn leave_loops(&mut self, host: &mut dyn InterpreterHost, target: BlockStart) {
         if host.loops().is_empty() {
             return;
         }
@@ -98,7 +102,11 @@ impl Fanuc {
     }
 
     /// Continues after the partner of the block.
-    fn skip_past(&mut self, host: &mut dyn Host, partner: fn(&Pairs, Spot) -> Option<Spot>) -> Acted {
+    fn skip_past(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        partner: fn(&Pairs, BlockStart) -> Option<BlockStart>,
+    ) -> Acted {
         match partner(self.pairs(host), host.spot()) {
             Some(block) => {
                 let after = host.after(block);
@@ -109,15 +117,15 @@ impl Fanuc {
     }
 
     /// Partners of the statements of the running program, found once.
-    pub(super) fn pairs(&mut self, host: &dyn Programs) -> &Pairs {
+    pub(super) fn pairs(&mut self, host: &dyn ProgramHost) -> &Pairs {
         // Without a program there is no source either.
-        let (file, range) = host.program().unwrap_or((FileId::MAX, Range { number: None, first: 1, last: 0 }));
+        let (file, range) = host.program().unwrap_or((FileId::MAX, ProgramRange { number: None, first: 1, last: 0 }));
         self.pairs.look((file, range), || {
             let Some(source) = host.source(file) else { return Pairs::default() };
             let mut statements = Vec::new();
             for line in source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line))) {
                 host.each_block(source.line(line), &mut |offset, text, names| {
-                    let block = Spot { line, offset: offset as u32 };
+                    let block = BlockStart { line, offset: offset as u32 };
                     statements.extend(compile(text, names).map(|compiled| (block, compiled.statement)));
                 });
             }
@@ -125,7 +133,7 @@ impl Fanuc {
         })
     }
 
-    fn goto(&mut self, host: &mut dyn Host, target: &Expr) -> Result<(), Abandoned> {
+    fn goto(&mut self, host: &mut dyn InterpreterHost, target: &Expr) -> Result<(), Abandoned> {
         let value = number(eval(host, target)?).round();
         if !(1.0..=f64::from(u32::MAX)).contains(&value) {
             let text = format!("{value} is not a valid sequence number to jump to in '{}'", host.block_text());
@@ -137,20 +145,20 @@ impl Fanuc {
     }
 }
 
-fn unpaired(host: &mut dyn Host) -> Halt {
+fn unpaired(host: &mut dyn InterpreterHost) -> Halt {
     let text = format!("'{}' has no matching statement in the program", host.block_text());
     host.alarm(&diag::MACRO_LOOP, text)
 }
 
-fn truth(host: &mut dyn Host, condition: &Expr) -> Result<bool, Abandoned> {
+fn truth(host: &mut dyn InterpreterHost, condition: &Expr) -> Result<bool, Abandoned> {
     eval(host, condition).map(|value| number(value) != 0.0)
 }
 
-fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Abandoned> {
+fn assign(host: &mut dyn InterpreterHost, target: &AssignmentTarget, value: &Expr) -> Result<(), Abandoned> {
     let value = eval(host, value)?;
     let index = match target {
-        Target::Variable(index) => *index,
-        Target::Indirect(target) => match variable_index(number(eval(host, target)?)) {
+        AssignmentTarget::Variable(index) => *index,
+        AssignmentTarget::Indirect(target) => match variable_index(number(eval(host, target)?)) {
             Ok(index) => index,
             Err(fault) => return abandons(host, &fault),
         },
@@ -171,7 +179,7 @@ fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Aban
             host.log_message(&text);
             Ok(())
         }
-        _ => match Access::new(host).set(index, value) {
+        _ => match HostVariables::new(host).set(index, value) {
             Ok(()) => Ok(()),
             Err(fault) => abandons(host, &fault),
         },
@@ -185,12 +193,12 @@ fn comment(block: &str) -> Option<&str> {
 }
 
 /// Prints a line.
-fn print_line(host: &mut dyn Host, items: &[Item], binary: bool) -> Result<(), Abandoned> {
+fn print_line(host: &mut dyn InterpreterHost, items: &[PrintItem], binary: bool) -> Result<(), Abandoned> {
     let mut line = String::new();
     for item in items {
         match item {
-            Item::Text(text) => line.push_str(text),
-            Item::Number(value, whole, fraction) => {
+            PrintItem::Text(text) => line.push_str(text),
+            PrintItem::Number(value, whole, fraction) => {
                 let value = eval(host, value)?;
                 line.push_str(&if binary {
                     print::binary(value, *fraction)
@@ -205,14 +213,14 @@ fn print_line(host: &mut dyn Host, items: &[Item], binary: bool) -> Result<(), A
 }
 
 /// Words with expressions become plain words; vacant values drop their word, kept ones remain text.
-fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Abandoned> {
+fn template(host: &mut dyn InterpreterHost, words: &[TemplateWord]) -> Result<Remaining, Abandoned> {
     host.effect();
     for word in words {
         let span = (word.start, word.end);
         let register = match word.name {
-            Name::Letter(letter) => host.register(letter),
-            Name::Register(register, incremental) => Some((register, incremental)),
-            Name::Text(_) => None,
+            WordName::Letter(letter) => host.register(letter),
+            WordName::Register(register, incremental) => Some((register, incremental)),
+            WordName::Text(_) => None,
         };
         let steps = register.filter(|_| word.written.is_none()).and_then(|(register, _)| host.steps(register));
         let value = match eval_at(host, &word.value, steps.unwrap_or(1.0)) {
@@ -225,8 +233,8 @@ fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Ab
             Err(halt) => return Err(halt),
         };
         match (word.name, register) {
-            (Name::Text(row), _) => host.push_text(row),
-            (Name::Register(register, _), _) if host.take_sequence(register, value) => {}
+            (WordName::Text(row), _) => host.push_text(row),
+            (WordName::Register(register, _), _) if host.take_sequence(register, value) => {}
             (_, Some((register, incremental))) => {
                 host.push(MadeWord { register, incremental, value, written: word.written, span });
             }

@@ -4,9 +4,9 @@
 
 use counterpoint_fault::Halt;
 
-use crate::expression::{self, Code, Evaluate, Stack};
+use crate::expression::{self, CompiledExpression, Evaluate, Stack};
 pub(super) use crate::numeric::is_vacant;
-use crate::numeric::{Function, Operator, truth};
+use crate::numeric::{NumericFunction, NumericOperator, truth};
 
 /// The value in arithmetic: vacant is zero.
 #[inline]
@@ -16,7 +16,7 @@ pub(super) fn number(value: f64) -> f64 {
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub(super) enum Fault {
+pub(super) enum FanucValueError {
     #[error("division by zero")]
     Division,
     #[error("the value is out of range")]
@@ -42,20 +42,20 @@ pub(super) enum Fault {
     Halt(Halt),
 }
 
-impl From<Halt> for Fault {
+impl From<Halt> for FanucValueError {
     fn from(halt: Halt) -> Self {
         Self::Halt(halt)
     }
 }
 
 /// Access to variables.
-pub(super) trait Variables {
+pub(super) trait VariableAccess {
     /// Value of `#index`, [`VACANT`] when it has none.
-    fn get(&mut self, index: u32) -> Result<f64, Fault>;
+    fn get(&mut self, index: u32) -> Result<f64, FanucValueError>;
 
     /// Value of a function that the control does not have, by the place of its text in the block.
-    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
-        Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, FanucValueError> {
+        Err(FanucValueError::NoFunction(format!("at column {}", span.0 + 1)))
     }
 
     /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address after an address.
@@ -66,7 +66,7 @@ pub(super) trait Variables {
 
 /// An operation that only this control has.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Own {
+pub(super) enum FanucOp {
     /// `#n` with a fixed number.
     Variable(u32),
     /// `#` of the value on the stack.
@@ -79,10 +79,10 @@ pub(super) enum Own {
     Minus,
 }
 
-pub(super) type Op = expression::Op<f64, Own>;
+pub(super) type Op = expression::ExpressionOp<f64, FanucOp>;
 
 /// A compiled expression.
-pub(super) type Expr = Code<f64, Own>;
+pub(super) type Expr = CompiledExpression<f64, FanucOp>;
 
 /// Most values that may wait for their operator.
 pub(super) const STACK: usize = 64;
@@ -90,44 +90,48 @@ pub(super) const STACK: usize = 64;
 /// Value of an expression.
 ///
 /// # Errors
-/// [`Fault`] of the first operation without a result.
-pub(super) fn value(expr: &Expr, variables: &mut impl Variables) -> Result<f64, Fault> {
-    let value = Values(variables).evaluate(expr)?;
-    if value.is_finite() || is_vacant(value) { Ok(value) } else { Err(Fault::Overflow) }
+/// [`FanucValueError`] of the first operation without a result.
+pub(super) fn value(expr: &Expr, variables: &mut impl VariableAccess) -> Result<f64, FanucValueError> {
+    let value = FanucEvaluator(variables).evaluate(expr)?;
+    if value.is_finite() || is_vacant(value) { Ok(value) } else { Err(FanucValueError::Overflow) }
 }
 
 /// The variables as values of expressions.
-struct Values<'v, V>(&'v mut V);
+struct FanucEvaluator<'v, V>(&'v mut V);
 
-impl<V: Variables> Evaluate<f64, Own> for Values<'_, V> {
-    type Stop = Fault;
+impl<V: VariableAccess> Evaluate<f64, FanucOp> for FanucEvaluator<'_, V> {
+    type Stop = FanucValueError;
 
-    fn own(&mut self, own: &Own, stack: &mut Stack<f64>) -> Result<f64, Fault> {
+    fn own(&mut self, own: &FanucOp, stack: &mut Stack<f64>) -> Result<f64, FanucValueError> {
         match own {
-            Own::Variable(index) => self.0.get(*index),
-            Own::Indirect => self.0.get(variable_index(number(stack.pop()))?),
-            Own::Unknown(start, end) => self.0.unknown_function((*start, *end)),
-            Own::Minus => {
+            FanucOp::Variable(index) => self.0.get(*index),
+            FanucOp::Indirect => self.0.get(variable_index(number(stack.pop()))?),
+            FanucOp::Unknown(start, end) => self.0.unknown_function((*start, *end)),
+            FanucOp::Minus => {
                 let value = stack.pop();
                 Ok(if is_vacant(value) { value } else { -value })
             }
-            Own::Round => Ok(to_step(number(stack.pop()), self.0.steps())),
+            FanucOp::Round => Ok(to_step(number(stack.pop()), self.0.steps())),
         }
     }
 
-    fn apply(&mut self, function: Function, value: f64) -> Result<f64, Fault> {
+    fn apply(&mut self, function: NumericFunction, value: f64) -> Result<f64, FanucValueError> {
         let value = number(value);
-        function.value(value).ok_or_else(|| Fault::Domain(function.name(), value))
+        function.value(value).ok_or_else(|| FanucValueError::Domain(function.name(), value))
     }
 
-    fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Result<f64, Fault> {
+    fn combine(&mut self, operator: NumericOperator, left: f64, right: f64) -> Result<f64, FanucValueError> {
         // Vacant equals only vacant (reference channel-synchronisation.md 2.4, last rule).
         match operator {
-            Operator::Eq if is_vacant(left) || is_vacant(right) => Ok(truth(is_vacant(left) && is_vacant(right))),
-            Operator::Ne if is_vacant(left) || is_vacant(right) => Ok(truth(is_vacant(left) != is_vacant(right))),
+            NumericOperator::Eq if is_vacant(left) || is_vacant(right) => {
+                Ok(truth(is_vacant(left) && is_vacant(right)))
+            }
+            NumericOperator::Ne if is_vacant(left) || is_vacant(right) => {
+                Ok(truth(is_vacant(left) != is_vacant(right)))
+            }
             operator => match operator.value(number(left), number(right)) {
                 Some(value) => Ok(value),
-                None => Err(Fault::Division),
+                None => Err(FanucValueError::Division),
             },
         }
     }
@@ -140,7 +144,11 @@ pub(super) fn to_step(value: f64, steps: f64) -> f64 {
 }
 
 /// Index of a variable from a value, which is rounded to a whole number.
-pub(super) fn variable_index(value: f64) -> Result<u32, Fault> {
+pub(super) fn variable_index(value: f64) -> Result<u32, FanucValueError> {
     let index = value.round();
-    if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
+    if (0.0..=f64::from(u32::MAX)).contains(&index) {
+        Ok(index as u32)
+    } else {
+        Err(FanucValueError::NoVariable(value))
+    }
 }

@@ -3,20 +3,20 @@
 //! Facts: reference control-emulator.md 5.4 (Fanuc row). Binding from weak to strong: `||`, `&&`, comparisons, sums
 //! with OR and XOR, products with AND and MOD, signs. Invariant: the compiled code fits the stack of the evaluation.
 
-use super::cursor::{Error, Parser};
-use super::expr::{Expr, Op, Own, STACK};
-use crate::expression::{COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
-use crate::numeric::{Function, NAMED, Operator};
+use super::cursor::{FanucParser, FanucSyntaxError};
+use super::expr::{Expr, FanucOp, Op, STACK};
+use crate::expression::{COMPARISONS, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read};
+use crate::numeric::{NAMED, NumericFunction, NumericOperator};
 
 /// Functions of one argument in brackets besides those of all controls.
 const FUNCTIONS: &[(&str, Op)] = &[
-    ("ATAN", Op::Apply(Function::Atan)),
-    ("SQR", Op::Apply(Function::Sqrt)),
-    ("ROUND", Op::Own(Own::Round)),
-    ("FIX", Op::Apply(Function::Fix)),
-    ("FUP", Op::Apply(Function::Fup)),
-    ("BIN", Op::Apply(Function::Bin)),
-    ("BCD", Op::Apply(Function::Bcd)),
+    ("ATAN", Op::Apply(NumericFunction::Atan)),
+    ("SQR", Op::Apply(NumericFunction::Sqrt)),
+    ("ROUND", Op::Own(FanucOp::Round)),
+    ("FIX", Op::Apply(NumericFunction::Fix)),
+    ("FUP", Op::Apply(NumericFunction::Fup)),
+    ("BIN", Op::Apply(NumericFunction::Bin)),
+    ("BCD", Op::Apply(NumericFunction::Bcd)),
 ];
 
 /// Level of comparisons, which are understood inside brackets only.
@@ -25,38 +25,39 @@ const COMPARING: usize = 2;
 const SUMS: usize = 3;
 
 /// Reads an expression into postfix operations.
-struct Reader<'p, 't> {
-    parser: &'p mut Parser<'t>,
+struct FanucExpressionReader<'p, 't> {
+    parser: &'p mut FanucParser<'t>,
     ops: &'p mut Vec<Op>,
     /// Inside brackets.
     compares: bool,
 }
 
-impl Grammar for Reader<'_, '_> {
+impl Grammar for FanucExpressionReader<'_, '_> {
     type Value = f64;
-    type Own = Own;
-    type Mistake = Error;
+    type Own = FanucOp;
+    type Mistake = FanucSyntaxError;
 
     const OPERATORS: Operators = &[
-        &[("||", Operator::Or)],
-        &[("&&", Operator::And)],
+        &[("||", NumericOperator::Or)],
+        &[("&&", NumericOperator::And)],
         COMPARISONS,
         &[
-            ("+", Operator::Add),
-            ("-", Operator::Sub),
-            ("|", Operator::BitOr),
-            ("OR", Operator::BitOr),
-            ("XOR", Operator::BitXor),
+            ("+", NumericOperator::Add),
+            ("-", NumericOperator::Sub),
+            ("|", NumericOperator::BitOr),
+            ("OR", NumericOperator::BitOr),
+            ("XOR", NumericOperator::BitXor),
         ],
         &[
-            ("*", Operator::Mul),
-            ("/", Operator::Div),
-            ("&", Operator::BitAnd),
-            ("AND", Operator::BitAnd),
-            ("MOD", Operator::RemOfWhole),
+            ("*", NumericOperator::Mul),
+            ("/", NumericOperator::Div),
+            ("&", NumericOperator::BitAnd),
+            ("AND", NumericOperator::BitAnd),
+            ("MOD", NumericOperator::RemOfWhole),
         ],
     ];
-    const SIGNS: &'static [(&'static str, Sign)] = &[("-", Sign::Minus), ("+", Sign::Plus)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)] =
+        &[("-", PrefixOperator::Minus), ("+", PrefixOperator::Plus)];
 
     fn ops(&mut self) -> &mut Vec<Op> {
         self.ops
@@ -66,10 +67,10 @@ impl Grammar for Reader<'_, '_> {
         self.parser.takes(word)
     }
 
-    fn operand(&mut self) -> Result<Part, Error> {
+    fn operand(&mut self) -> Result<ExpressionPart, FanucSyntaxError> {
         let start = self.ops.len();
         self.parser.primary(self.ops)?;
-        Ok(Part { start, truth: false })
+        Ok(ExpressionPart { start, truth: false })
     }
 
     fn negated(value: &f64) -> Option<f64> {
@@ -80,48 +81,48 @@ impl Grammar for Reader<'_, '_> {
         level != COMPARING || self.compares
     }
 
-    fn sign(&mut self, sign: Sign, part: Part) -> Part {
+    fn sign(&mut self, sign: PrefixOperator, part: ExpressionPart) -> ExpressionPart {
         match (sign, self.ops.last_mut()) {
-            (Sign::Minus, Some(Op::Value(value))) => *value = -*value,
+            (PrefixOperator::Minus, Some(Op::Value(value))) => *value = -*value,
             // Two signs leave a vacant value vacant.
-            (Sign::Minus, Some(Op::Apply(Function::Neg))) => {
+            (PrefixOperator::Minus, Some(Op::Apply(NumericFunction::Neg))) => {
                 self.ops.pop();
             }
-            (Sign::Minus, _) => self.ops.push(Op::Apply(Function::Neg)),
+            (PrefixOperator::Minus, _) => self.ops.push(Op::Apply(NumericFunction::Neg)),
             _ => {}
         }
         part
     }
 }
 
-impl Parser<'_> {
+impl FanucParser<'_> {
     /// An expression that fits the evaluation stack.
-    pub(super) fn checked(&self, ops: Vec<Op>) -> Result<Expr, Error> {
+    pub(super) fn checked(&self, ops: Vec<Op>) -> Result<Expr, FanucSyntaxError> {
         let (mut depth, mut most) = (0_usize, 0_usize);
         for op in &ops {
             match op {
-                Op::Value(_) | Op::Own(Own::Variable(_) | Own::Unknown(..)) => depth += 1,
+                Op::Value(_) | Op::Own(FanucOp::Variable(_) | FanucOp::Unknown(..)) => depth += 1,
                 Op::Combine(_) => depth = depth.saturating_sub(1),
-                Op::Apply(_) | Op::CombineWith(..) | Op::Own(Own::Indirect | Own::Round | Own::Minus) => {}
+                Op::Apply(_) | Op::CombineWith(..) | Op::Own(FanucOp::Indirect | FanucOp::Round | FanucOp::Minus) => {}
             }
             most = most.max(depth);
         }
-        if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Code::new(ops)) }
+        if most > STACK { Err(self.error("a shorter expression")) } else { Ok(CompiledExpression::new(ops)) }
     }
 
     /// An expression outside brackets: without comparisons.
-    pub(super) fn logical(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: false }, 0).map(|_| ())
+    pub(super) fn logical(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
+        read(&mut FanucExpressionReader { parser: self, ops, compares: false }, 0).map(|_| ())
     }
 
     /// An expression inside brackets.
-    pub(super) fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: true }, 0).map(|_| ())
+    pub(super) fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
+        read(&mut FanucExpressionReader { parser: self, ops, compares: true }, 0).map(|_| ())
     }
 
     /// A sum.
-    pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: false }, SUMS).map(|_| ())
+    pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
+        read(&mut FanucExpressionReader { parser: self, ops, compares: false }, SUMS).map(|_| ())
     }
 
     /// Takes an operator or sign that is next; two letters of a word are enough, except for MOD.
@@ -142,7 +143,7 @@ impl Parser<'_> {
         length > 0
     }
 
-    pub(super) fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    pub(super) fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         match self.peek() {
             Some(b'#') => {
                 self.at += 1;
@@ -150,11 +151,11 @@ impl Parser<'_> {
                 self.variable_number(&mut number)?;
                 match number.as_slice() {
                     [Op::Value(n)] if *n >= 0.0 && n.fract() == 0.0 && *n <= f64::from(u32::MAX) => {
-                        ops.push(Op::Own(Own::Variable(*n as u32)));
+                        ops.push(Op::Own(FanucOp::Variable(*n as u32)));
                     }
                     _ => {
                         ops.append(&mut number);
-                        ops.push(Op::Own(Own::Indirect));
+                        ops.push(Op::Own(FanucOp::Indirect));
                     }
                 }
                 Ok(())
@@ -170,7 +171,7 @@ impl Parser<'_> {
     }
 
     /// The text after `#`: digits, `[expression]` or another variable.
-    pub(super) fn variable_number(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    pub(super) fn variable_number(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         match self.peek() {
             Some(b'0'..=b'9') => {
                 ops.push(Op::Value(f64::from(self.unsigned().unwrap_or(0))));
@@ -187,7 +188,7 @@ impl Parser<'_> {
         }
     }
 
-    pub(super) fn bracketed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    pub(super) fn bracketed(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         self.nest()?;
         self.at += 1;
         self.relation(ops)?;
@@ -198,7 +199,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn literal(&mut self) -> Result<f64, Error> {
+    fn literal(&mut self) -> Result<f64, FanucSyntaxError> {
         let start = self.at;
         while matches!(self.text.get(self.at), Some(b'0'..=b'9' | b'.')) {
             self.at += 1;
@@ -209,7 +210,7 @@ impl Parser<'_> {
             .ok_or_else(|| self.error("a number"))
     }
 
-    fn function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    fn function(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         let letters = self.letters();
         if letters == "POW" && self.text.get(self.at + 3) == Some(&b'[') {
             self.at += 3;
@@ -231,19 +232,19 @@ impl Parser<'_> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' after the function"));
         }
-        if op == Op::Apply(Function::Atan) {
+        if op == Op::Apply(NumericFunction::Atan) {
             return self.arc_tangent(ops);
         }
         self.bracketed(ops)?;
         ops.push(op);
-        if op == Op::Apply(Function::Asin) && self.names.formulas.full_angles {
-            ops.push(Op::Apply(Function::FullTurn));
+        if op == Op::Apply(NumericFunction::Asin) && self.names.formulas.full_angles {
+            ops.push(Op::Apply(NumericFunction::FullTurn));
         }
         Ok(())
     }
 
     /// The arguments of `POW[base,exponent]`.
-    fn power(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    fn power(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         self.nest()?;
         self.at += 1;
         self.relation(ops)?;
@@ -255,7 +256,7 @@ impl Parser<'_> {
             return Err(self.error("']'"));
         }
         self.depth -= 1;
-        ops.push(Op::Combine(Operator::Power));
+        ops.push(Op::Combine(NumericOperator::Power));
         Ok(())
     }
 
@@ -267,7 +268,7 @@ impl Parser<'_> {
     }
 
     /// `NAME[…]` that the control does not have: the machine may know its value.
-    fn unknown_function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    fn unknown_function(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         let start = self.at;
         let name = self.text.get(start..).unwrap_or_default();
         let name = name.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
@@ -282,7 +283,7 @@ impl Parser<'_> {
             match byte {
                 b'[' => open += 1,
                 b']' if open == 1 => {
-                    ops.push(Op::Own(Own::Unknown(start as u32, self.at as u32)));
+                    ops.push(Op::Own(FanucOp::Unknown(start as u32, self.at as u32)));
                     return Ok(());
                 }
                 b']' => open -= 1,
@@ -293,7 +294,7 @@ impl Parser<'_> {
     }
 
     /// The arguments of `ATAN[y]`, `ATAN[y]/[x]`, `ATAN[y,x]`.
-    fn arc_tangent(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    fn arc_tangent(&mut self, ops: &mut Vec<Op>) -> Result<(), FanucSyntaxError> {
         self.nest()?;
         self.at += 1;
         self.relation(ops)?;
@@ -305,7 +306,8 @@ impl Parser<'_> {
             return Err(self.error("']'"));
         }
         self.depth -= 1;
-        let of_two = Op::Combine(if self.names.formulas.full_angles { Operator::Angle } else { Operator::Atan2 });
+        let of_two =
+            Op::Combine(if self.names.formulas.full_angles { NumericOperator::Angle } else { NumericOperator::Atan2 });
         let mark = self.at;
         if !two && self.accept(b'/') && self.peek() == Some(b'[') {
             self.bracketed(ops)?;
@@ -313,7 +315,7 @@ impl Parser<'_> {
             return Ok(());
         }
         self.at = mark;
-        ops.push(if two { of_two } else { Op::Apply(Function::Atan) });
+        ops.push(if two { of_two } else { Op::Apply(NumericFunction::Atan) });
         Ok(())
     }
 }
@@ -321,15 +323,15 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::compile;
-    use super::super::expr::{self, Fault, Variables};
-    use super::super::statement::Statement;
+    use super::super::expr::{self, FanucValueError, VariableAccess};
+    use super::super::statement::FanucStatement;
     use crate::numeric::VACANT;
-    use counterpoint_program::key_words::Names;
+    use counterpoint_program::key_words::StatementVocabulary;
 
     struct Fixed;
 
-    impl Variables for Fixed {
-        fn get(&mut self, index: u32) -> Result<f64, Fault> {
+    impl VariableAccess for Fixed {
+        fn get(&mut self, index: u32) -> Result<f64, FanucValueError> {
             Ok(match index {
                 0 | 9 => VACANT,
                 n => f64::from(n),
@@ -337,20 +339,20 @@ mod tests {
         }
     }
 
-    fn value(text: &str) -> Result<f64, Fault> {
-        value_by(text, Names::default())
+    fn value(text: &str) -> Result<f64, FanucValueError> {
+        value_by(text, StatementVocabulary::default())
     }
 
-    fn value_by(text: &str, names: Names<'_>) -> Result<f64, Fault> {
+    fn value_by(text: &str, names: StatementVocabulary<'_>) -> Result<f64, FanucValueError> {
         let line = compile(format!("#1={text}").as_bytes(), names).unwrap();
-        let Statement::Assign(list) = line.statement else { panic!("no assignment") };
+        let FanucStatement::Assign(list) = line.statement else { panic!("no assignment") };
         expr::value(&list[0].1, &mut Fixed)
     }
 
     /// Reference fanuc-variables-and-alarms.md, rows of ASIN and ATAN with parameter 6004#0.
     #[test]
     fn angles_of_a_full_turn() {
-        let mut names = Names::default();
+        let mut names = StatementVocabulary::default();
         names.formulas.full_angles = true;
         let angles = [("ATAN[3]/[-4]", 143.1301), ("ATAN[-3]/[-4]", 216.8699), ("ATAN[-3,-4]", 216.8699)];
         let others = [("ATAN[0.75]", 36.8699), ("ATAN[-0.75]", -36.8699), ("ASIN[-0.5]", 330.0), ("ACOS[-0.5]", 120.0)];
@@ -400,8 +402,8 @@ mod tests {
 
     #[test]
     fn faults_are_reported() {
-        assert_eq!(value("1/0"), Err(Fault::Division));
-        assert!(matches!(value("SQRT[-1]"), Err(Fault::Domain("SQRT", _))));
-        assert!(matches!(value("#[0-1.5]"), Err(Fault::NoVariable(_))));
+        assert_eq!(value("1/0"), Err(FanucValueError::Division));
+        assert!(matches!(value("SQRT[-1]"), Err(FanucValueError::Domain("SQRT", _))));
+        assert!(matches!(value("#[0-1.5]"), Err(FanucValueError::NoVariable(_))));
     }
 }

@@ -25,29 +25,29 @@ use std::sync::Arc;
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-pub(crate) use control::Control;
+pub(crate) use control::FanucDialect;
 
-use super::host::{Host, NotThere};
-use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
+use super::host::{InterpreterHost, NotThere};
+use super::interpreter::{Interpreter, MacroArguments, Remaining, SettingOutcome};
 use super::numeric::is_vacant;
-use access::{Abandoned, Access};
+use access::{Abandoned, HostVariables};
 use compile::compile;
 use counterpoint_event::FileId;
-use counterpoint_program::kept::{Kept, Tables};
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
-use expr::Fault;
+use counterpoint_program::kept::{LineCache, TableCache};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
+use expr::FanucValueError;
 use loops::Pairs;
-use statement::Line;
+use statement::FanucLine;
 
 /// The interpreter.
 #[derive(Debug, Default)]
 struct Fanuc {
-    lines: Kept<Line>,
+    lines: LineCache<FanucLine>,
     /// Partners of loops and branches by program.
-    pairs: Tables<(FileId, Range), Pairs>,
+    pairs: TableCache<(FileId, ProgramRange), Pairs>,
     /// Text of the block without comments.
     stripped: Vec<u8>,
 }
@@ -56,7 +56,7 @@ impl Fanuc {
     /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages:
     /// on every pass, but once for a block that is read twice.
     #[inline]
-    fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+    fn line(&mut self, host: &mut dyn InterpreterHost, text: &[u8], displays: bool) -> Result<Arc<FanucLine>, Halt> {
         if let Some(line) = host.unchanged_line().and_then(|line| self.lines.get(line).map(Arc::clone)) {
             if displays && !line.messages.is_empty() {
                 host.display_again(text, &line.messages);
@@ -68,7 +68,7 @@ impl Fanuc {
 
     /// Executes a compiled line.
     #[inline]
-    fn execute(&mut self, host: &mut dyn Host, line: &Line) -> Result<Remaining, Halt> {
+    fn execute(&mut self, host: &mut dyn InterpreterHost, line: &FanucLine) -> Result<Remaining, Halt> {
         if let Some(number) = line.sequence {
             host.set_sequence(number);
         }
@@ -87,12 +87,17 @@ impl Fanuc {
 
     /// Compiles the block.
     #[inline(never)]
-    fn compiled(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+    fn compiled(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        text: &[u8],
+        displays: bool,
+    ) -> Result<Arc<FanucLine>, Halt> {
         let place = host.place();
         let messages = host.strip(text, displays, &mut self.stripped);
         match compile(&self.stripped, host.names()) {
             Ok(line) => {
-                let line = Arc::new(Line { messages, ..line });
+                let line = Arc::new(FanucLine { messages, ..line });
                 if place.repeats && place.as_read {
                     self.lines.insert((place.file, place.line), &line, text.len());
                 }
@@ -108,12 +113,12 @@ impl Fanuc {
 }
 
 impl Interpreter for Fanuc {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt> {
         let line = self.line(host, text, true)?;
         self.execute(host, &line)
     }
 
-    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
+    fn known_block(&mut self, host: &mut dyn InterpreterHost, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         let line = self.lines.take(at)?;
         if !line.messages.is_empty() {
             display_again(host, at, &line.messages);
@@ -125,10 +130,10 @@ impl Interpreter for Fanuc {
 
     fn arguments(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         text: &[u8],
         own: Option<(RegisterId, f64)>,
-    ) -> Result<Option<Arguments>, Halt> {
+    ) -> Result<Option<MacroArguments>, Halt> {
         let line = self.line(host, text, false)?;
         if let Some(span) = line.name {
             host.set_program_name(span);
@@ -140,7 +145,7 @@ impl Interpreter for Fanuc {
         *self = Self::default();
     }
 
-    fn on_jump(&mut self, host: &mut dyn Host, target: Spot) {
+    fn on_jump(&mut self, host: &mut dyn InterpreterHost, target: BlockStart) {
         self.leave_loops(host, target);
     }
 
@@ -149,33 +154,44 @@ impl Interpreter for Fanuc {
         self.pairs.clear();
     }
 
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt> {
         let Some(index) = spelled(name, indices) else { return Ok(None) };
         match host.number(index) {
-            Ok(value) => Ok((!is_vacant(value)).then_some(Value::Real(value))),
+            Ok(value) => Ok((!is_vacant(value)).then_some(MacroValue::Real(value))),
             Err(NotThere::Halt(halt)) => Err(halt),
             Err(_) => Ok(None),
         }
     }
 
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt> {
         let (Some(index), Some(value)) = (spelled(name, indices), value.as_real()) else { return Ok(false) };
-        match Access::new(host).set(index, value) {
-            Err(Fault::Halt(halt)) => Err(halt),
+        match HostVariables::new(host).set(index, value) {
+            Err(FanucValueError::Halt(halt)) => Err(halt),
             done => Ok(done.is_ok()),
         }
     }
 
-    fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, host: &mut dyn InterpreterHost, name: &str, values: &[MacroValue]) -> SettingOutcome {
         let set = match name {
-            "PROCESS,SYSVARASSIGNMENT" => |host: &mut dyn Host, on| host.set_asking(on),
-            "USENULL" => |host: &mut dyn Host, on| host.set_vacant(on),
-            _ => return Setting::Unknown,
+            "PROCESS,SYSVARASSIGNMENT" => |host: &mut dyn InterpreterHost, on| host.set_asking(on),
+            "USENULL" => |host: &mut dyn InterpreterHost, on| host.set_vacant(on),
+            _ => return SettingOutcome::Unknown,
         };
-        let [value] = values else { return Setting::NotLogical };
-        let Some(on) = value.as_logical() else { return Setting::NotLogical };
+        let [value] = values else { return SettingOutcome::NotLogical };
+        let Some(on) = value.as_logical() else { return SettingOutcome::NotLogical };
         set(host, on);
-        Setting::Made
+        SettingOutcome::Made
     }
 
     #[inline]
@@ -190,7 +206,7 @@ impl Interpreter for Fanuc {
 
 /// Shows the messages of a line again.
 #[cold]
-fn display_again(host: &mut dyn Host, (file, line): (FileId, u32), messages: &[(u32, u32)]) {
+fn display_again(host: &mut dyn InterpreterHost, (file, line): (FileId, u32), messages: &[(u32, u32)]) {
     if let Some(source) = host.source(file) {
         host.display_again(source.line(line), messages);
     }

@@ -5,73 +5,76 @@
 use super::Fanuc;
 use super::compile::compile;
 use super::expr::Expr;
-use super::statement::{Name, Statement, Target, TemplateWord};
-use crate::host::Programs;
-use crate::outline::{Goal, Reader, Step, sequence};
+use super::statement::{AssignmentTarget, FanucStatement, TemplateWord, WordName};
+use crate::host::ProgramHost;
+use crate::outline::{JumpDestination, OutlineReader, OutlineStep, sequence};
 use crate::statement::RETURN;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::spot::BlockStart;
 
 /// Variables whose assignment raises an alarm.
 const ALARM: u32 = 3000;
 
-impl Reader for Fanuc {
-    fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
+impl OutlineReader for Fanuc {
+    fn outline(&mut self, programs: &mut dyn ProgramHost, text: &[u8]) -> Vec<OutlineStep> {
         programs.strip(text, false, &mut self.stripped);
         match compile(&self.stripped, programs.names()) {
             Ok(line) => {
                 let stripped = std::mem::take(&mut self.stripped);
                 let mut steps = self.steps(programs, &line.statement, &stripped);
-                if let (Some((start, end)), Some(Step::Words(words))) = (line.name, steps.first_mut()) {
+                if let (Some((start, end)), Some(OutlineStep::Words(words))) = (line.name, steps.first_mut()) {
                     words.extend_from_slice(stripped.get(start as usize..end as usize).unwrap_or_default());
                 }
                 self.stripped = stripped;
                 steps
             }
-            Err(error) => vec![Step::Mistake(error.to_string())],
+            Err(error) => vec![OutlineStep::Mistake(error.to_string())],
         }
     }
 }
 
 impl Fanuc {
-    fn steps(&mut self, programs: &mut dyn Programs, statement: &Statement, text: &[u8]) -> Vec<Step> {
+    fn steps(&mut self, programs: &mut dyn ProgramHost, statement: &FanucStatement, text: &[u8]) -> Vec<OutlineStep> {
         match statement {
-            Statement::Words(words) => self::words(words, text),
-            Statement::Assign(list) => {
-                let alarms = list.iter().any(|(target, _)| *target == Target::Variable(ALARM));
-                if alarms { vec![Step::Alarm] } else { Vec::new() }
+            FanucStatement::Words(words) => self::words(words, text),
+            FanucStatement::Assign(list) => {
+                let alarms = list.iter().any(|(target, _)| *target == AssignmentTarget::Variable(ALARM));
+                if alarms { vec![OutlineStep::Alarm] } else { Vec::new() }
             }
-            Statement::IfGoto(_, target) => vec![Step::Branch(goal(programs, target))],
-            Statement::Goto(target) => vec![Step::Jump(goal(programs, target))],
-            Statement::IfThen(_, inner) => vec![Step::If(self.steps(programs, inner, text))],
-            Statement::IfBlock(_) | Statement::Else => {
+            FanucStatement::IfGoto(_, target) => vec![OutlineStep::Branch(goal(programs, target))],
+            FanucStatement::Goto(target) => vec![OutlineStep::Jump(goal(programs, target))],
+            FanucStatement::IfThen(_, inner) => vec![OutlineStep::If(self.steps(programs, inner, text))],
+            FanucStatement::IfBlock(_) | FanucStatement::Else => {
                 let here = programs.spot();
                 block(self.pairs(programs).of_branch(here), false)
             }
-            Statement::While(..) | Statement::Do(_) => {
+            FanucStatement::While(..) | FanucStatement::Do(_) => {
                 let here = programs.spot();
                 block(self.pairs(programs).of_loop(here), true)
             }
-            Statement::End(_) => {
+            FanucStatement::End(_) => {
                 let here = programs.spot();
                 if self.pairs(programs).of_loop(here).is_some() { Vec::new() } else { block(None, true) }
             }
-            Statement::Shared(shared, _) if **shared == RETURN => vec![Step::Return],
-            Statement::EndIf | Statement::Shared(..) | Statement::Print(_) | Statement::PrintBinary(_) => Vec::new(),
+            FanucStatement::Shared(shared, _) if **shared == RETURN => vec![OutlineStep::Return],
+            FanucStatement::EndIf
+            | FanucStatement::Shared(..)
+            | FanucStatement::Print(_)
+            | FanucStatement::PrintBinary(_) => Vec::new(),
         }
     }
 }
 
-fn block(partner: Option<Spot>, loops: bool) -> Vec<Step> {
-    let mistake = || Step::Mistake("the statement has no matching one in the program".to_owned());
-    vec![partner.map_or_else(mistake, |end| Step::Block { end, loops })]
+fn block(partner: Option<BlockStart>, loops: bool) -> Vec<OutlineStep> {
+    let mistake = || OutlineStep::Mistake("the statement has no matching one in the program".to_owned());
+    vec![partner.map_or_else(mistake, |end| OutlineStep::Block { end, loops })]
 }
 
-fn goal(programs: &dyn Programs, target: &Expr) -> Goal {
-    target.as_constant().map_or(Goal::Computed, |number| sequence(programs, number.round()))
+fn goal(programs: &dyn ProgramHost, target: &Expr) -> JumpDestination {
+    target.as_constant().map_or(JumpDestination::Computed, |number| sequence(programs, number.round()))
 }
 
 /// Words as they are written, and the addresses of those that are computed.
-fn words(words: &[TemplateWord], text: &[u8]) -> Vec<Step> {
+fn words(words: &[TemplateWord], text: &[u8]) -> Vec<OutlineStep> {
     let mut plain = Vec::with_capacity(text.len());
     let mut steps = Vec::new();
     for word in words {
@@ -82,14 +85,14 @@ fn words(words: &[TemplateWord], text: &[u8]) -> Vec<Step> {
             continue;
         }
         let address = match word.name {
-            Name::Letter(letter) => char::from(letter).to_string(),
-            Name::Register(..) | Name::Text(_) => {
+            WordName::Letter(letter) => char::from(letter).to_string(),
+            WordName::Register(..) | WordName::Text(_) => {
                 let letters = written.iter().take_while(|byte| byte.is_ascii_alphabetic() || **byte == b',');
                 letters.map(|byte| char::from(byte.to_ascii_uppercase())).collect()
             }
         };
-        steps.push(Step::Computed(address));
+        steps.push(OutlineStep::Computed(address));
     }
-    steps.insert(0, Step::Words(plain));
+    steps.insert(0, OutlineStep::Words(plain));
     steps
 }

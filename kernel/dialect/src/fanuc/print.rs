@@ -3,14 +3,14 @@
 //! Facts: reference fanuc-variables-and-alarms.md 2.5. Decisions: blanks are not text; a number with more whole digits
 //! than its format takes the room it needs.
 
-use super::cursor::{Error, Parser};
+use super::cursor::{FanucParser, FanucSyntaxError};
 use super::expr::{is_vacant, to_step};
-use super::statement::Item;
-use counterpoint_machine::model::Output;
+use super::statement::PrintItem;
+use counterpoint_machine::model::PrintFileFormat;
 
-impl Parser<'_> {
+impl FanucParser<'_> {
     /// `[text#n[cd]…]` with this many digits in each format.
-    pub(super) fn items(&mut self, digits: usize) -> Result<Vec<Item>, Error> {
+    pub(super) fn items(&mut self, digits: usize) -> Result<Vec<PrintItem>, FanucSyntaxError> {
         if !self.accept(b'[') {
             return Err(self.error("'[' and what to print"));
         }
@@ -23,7 +23,7 @@ impl Parser<'_> {
                     break;
                 }
                 Some(b'#') => {
-                    items.extend((!text.is_empty()).then(|| Item::Text(std::mem::take(&mut text))));
+                    items.extend((!text.is_empty()).then(|| PrintItem::Text(std::mem::take(&mut text))));
                     items.push(self.number_item(digits)?);
                 }
                 Some(b'[') | None => return Err(self.error("text, a variable or ']'")),
@@ -33,12 +33,12 @@ impl Parser<'_> {
                 }
             }
         }
-        items.extend((!text.is_empty()).then_some(Item::Text(text)));
+        items.extend((!text.is_empty()).then_some(PrintItem::Text(text)));
         Ok(items)
     }
 
     /// A variable and its format.
-    fn number_item(&mut self, digits: usize) -> Result<Item, Error> {
+    fn number_item(&mut self, digits: usize) -> Result<PrintItem, FanucSyntaxError> {
         let mut ops = Vec::new();
         self.primary(&mut ops)?;
         let value = self.checked(ops)?;
@@ -57,12 +57,12 @@ impl Parser<'_> {
             return Err(self.error("']' after the format"));
         }
         let [whole, fraction] = format;
-        Ok(Item::Number(value, whole, fraction))
+        Ok(PrintItem::Number(value, whole, fraction))
     }
 }
 
 /// A number as DPRNT writes it; vacant is 0.
-pub(super) fn decimal(value: f64, whole: u8, fraction: u8, output: &Output) -> String {
+pub(super) fn decimal(value: f64, whole: u8, fraction: u8, output: &PrintFileFormat) -> String {
     let value = if is_vacant(value) { 0.0 } else { value };
     let value = to_step(value, 10_f64.powi(i32::from(fraction)));
     let digits = format!("{:.1$}", value.abs(), usize::from(fraction));
@@ -88,9 +88,10 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_the_control_does() {
-        let fanuc = Output { file: String::new(), padded: true, sign_column: true, line_end: "", opened: true };
-        let short = Output { padded: false, ..fanuc.clone() };
-        let haas = Output { sign_column: false, ..fanuc.clone() };
+        let fanuc =
+            PrintFileFormat { file: String::new(), padded: true, sign_column: true, line_end: "", opened: true };
+        let short = PrintFileFormat { padded: false, ..fanuc.clone() };
+        let haas = PrintFileFormat { sign_column: false, ..fanuc.clone() };
         for (value, whole, fraction, expected) in [
             (-7.0456, 3, 3, ["-  7.046", "-7.046", "-  7.046"]),
             (12.5, 4, 0, ["   13", "13", "  13"]),

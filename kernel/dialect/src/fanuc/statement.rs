@@ -1,17 +1,17 @@
 //! A compiled program line, and the names of its words.
 
 use super::expr::Expr;
-use crate::statement::Shared;
+use crate::statement::SharedStatement;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Line {
+pub(super) struct FanucLine {
     /// Sequence number.
     pub(super) sequence: Option<u32>,
     /// Its effect.
-    pub(super) statement: Statement,
+    pub(super) statement: FanucStatement,
     /// Place of the statement, after the sequence number.
     pub(super) place: (u32, u32),
     /// Place of a program name in angle brackets.
@@ -24,15 +24,15 @@ pub(super) struct Line {
 
 /// The effect of a line.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Statement {
+pub(super) enum FanucStatement {
     /// A block of words, some of them with expressions.
     Words(Vec<TemplateWord>),
     /// `#i = expression`, left to right.
-    Assign(Vec<(Target, Expr)>),
+    Assign(Vec<(AssignmentTarget, Expr)>),
     /// `IF [condition] GOTO n`.
     IfGoto(Expr, Expr),
     /// `IF [condition] THEN statement`.
-    IfThen(Expr, Box<Statement>),
+    IfThen(Expr, Box<FanucStatement>),
     /// `IF [condition] THEN` alone: a block form that `ELSE` and `ENDIF` close.
     IfBlock(Expr),
     /// `ELSE`.
@@ -48,16 +48,16 @@ pub(super) enum Statement {
     /// `GOTO n`.
     Goto(Expr),
     /// A statement that other controls have too, with its operands.
-    Shared(&'static Shared, Box<[Expr]>),
+    Shared(&'static SharedStatement, Box<[Expr]>),
     /// `DPRNT[…]`: a line of text and numbers.
-    Print(Vec<Item>),
+    Print(Vec<PrintItem>),
     /// `BPRNT[…]`: a line of text and binary numbers.
-    PrintBinary(Vec<Item>),
+    PrintBinary(Vec<PrintItem>),
 }
 
 /// A variable that is assigned to.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Target {
+pub(super) enum AssignmentTarget {
     /// `#n`.
     Variable(u32),
     /// `#` of an expression.
@@ -66,7 +66,7 @@ pub(super) enum Target {
 
 /// A part of the output of a printing statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Item {
+pub(super) enum PrintItem {
     Text(String),
     /// A variable, its digits before the point and after it.
     Number(Expr, u8, u8),
@@ -76,11 +76,11 @@ pub(super) enum Item {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TemplateWord {
     /// Its name.
-    pub(super) name: Name,
+    pub(super) name: WordName,
     /// Value; vacant values drop the word.
     pub(super) value: Expr,
     /// The value is this number, which the word's register reads.
-    pub(super) written: Option<Number>,
+    pub(super) written: Option<WrittenNumber>,
     /// Start in the line.
     pub(super) start: u32,
     /// End in the line.
@@ -89,7 +89,7 @@ pub(super) struct TemplateWord {
 
 /// The name of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Name {
+pub(super) enum WordName {
     /// Upper-case letter.
     Letter(u8),
     /// A special register of the machine, and whether it is the incremental form.

@@ -3,14 +3,14 @@
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: names are tried in the
 //! order in which the scanner of plain lines tries them.
 
-use super::cursor::{Error, Parser};
-use super::expr::{Expr, Op, Own};
-use super::statement::{Name, Statement, TemplateWord};
-use counterpoint_program::key_words::Number;
+use super::cursor::{FanucParser, FanucSyntaxError};
+use super::expr::{Expr, FanucOp, Op};
+use super::statement::{FanucStatement, TemplateWord, WordName};
+use counterpoint_program::key_words::WrittenNumber;
 use counterpoint_program::prefix_registers::{stands, starts_value};
 use counterpoint_program::shape::program_name;
 
-impl Parser<'_> {
+impl FanucParser<'_> {
     /// Whether a special register with a value, or a text that looks like a word, begins here.
     pub(super) fn stands_long_name(&self) -> bool {
         self.names.literal_first.is_some_and(|first| {
@@ -18,7 +18,7 @@ impl Parser<'_> {
         })
     }
 
-    pub(super) fn words(&mut self) -> Result<Statement, Error> {
+    pub(super) fn words(&mut self) -> Result<FanucStatement, FanucSyntaxError> {
         let mut words = Vec::new();
         while let Some(byte) = self.peek() {
             let start = self.at;
@@ -27,7 +27,7 @@ impl Parser<'_> {
                 Some(word) => word,
                 None if byte.is_ascii_uppercase() => {
                     self.at += 1;
-                    (Name::Letter(byte), self.word_value()?)
+                    (WordName::Letter(byte), self.word_value()?)
                 }
                 None if byte == b'<' && self.name.is_none() && program_name(self.text, start).is_some() => {
                     self.at = program_name(self.text, start).unwrap_or(self.at);
@@ -37,22 +37,22 @@ impl Parser<'_> {
                 None => return Err(self.error("a word")),
             };
             let written = self.written.take();
-            let is_number = matches!(name, Name::Letter(b'N' | b'O'));
+            let is_number = matches!(name, WordName::Letter(b'N' | b'O'));
             if is_number && value.as_constant().is_none() && self.names.formulas.digits_of_numbers {
                 self.at = start;
                 return Err(self.error("digits after N and O"));
             }
             words.push(TemplateWord { name, value, written, start: start as u32, end: self.at as u32 });
         }
-        Ok(Statement::Words(words))
+        Ok(FanucStatement::Words(words))
     }
 
     /// A word that is more than a letter and a value.
-    fn long_name(&mut self) -> Option<(Name, Expr)> {
+    fn long_name(&mut self) -> Option<(WordName, Expr)> {
         let (names, text, start) = (self.names, self.text, self.at);
         if let Some((like_word, row)) = names.literal_first.and_then(|first| first.text(text, start)) {
             self.at += like_word.len();
-            return Some((Name::Text(row), Expr::constant(0.0)));
+            return Some((WordName::Text(row), Expr::constant(0.0)));
         }
         for prefix in names.literal_first.into_iter().flat_map(|first| first.registers_at(text, start)) {
             self.at = start + prefix.before.len();
@@ -62,7 +62,7 @@ impl Parser<'_> {
                 && text.get(self.at..).is_some_and(|rest| rest.starts_with(&prefix.after))
             {
                 self.at += prefix.after.len();
-                return Some((Name::Register(prefix.register, prefix.incremental), value));
+                return Some((WordName::Register(prefix.register, prefix.incremental), value));
             }
             self.at = start;
         }
@@ -71,11 +71,11 @@ impl Parser<'_> {
         }
         let (plain, row) = names.texts(*text.get(start)?).iter().find(|(name, _)| stands(name, text, start))?;
         self.at += plain.len();
-        Some((Name::Text(*row), Expr::constant(0.0)))
+        Some((WordName::Text(*row), Expr::constant(0.0)))
     }
 
     /// The number whose digits stand from `start` to here; an expression in brackets is none.
-    fn as_written(&self, start: usize, value: f64) -> Option<Number> {
+    fn as_written(&self, start: usize, value: f64) -> Option<WrittenNumber> {
         let text = self.text.get(start..self.at)?.trim_ascii();
         if !text.iter().all(|byte| byte.is_ascii_digit() || *byte == b'.') {
             return None;
@@ -83,10 +83,10 @@ impl Parser<'_> {
         let point = text.iter().position(|byte| *byte == b'.');
         let digits = point.unwrap_or(text.len()).min(255) as u8;
         let fraction = point.map_or(0, |point| text.len() - point - 1).min(255) as u8;
-        Some(Number { value, point: point.is_some(), digits, fraction })
+        Some(WrittenNumber { value, point: point.is_some(), digits, fraction })
     }
 
-    fn enclosed(&mut self) -> Result<Expr, Error> {
+    fn enclosed(&mut self) -> Result<Expr, FanucSyntaxError> {
         let mut ops = Vec::new();
         let sign = self.peek().filter(|byte| b"+-".contains(byte));
         let start = self.at + usize::from(sign.is_some());
@@ -98,7 +98,7 @@ impl Parser<'_> {
         self.checked(ops)
     }
 
-    fn word_value(&mut self) -> Result<Expr, Error> {
+    fn word_value(&mut self) -> Result<Expr, FanucSyntaxError> {
         let mut ops = Vec::new();
         let sign = self.at;
         let negative = match self.peek() {
@@ -128,7 +128,7 @@ impl Parser<'_> {
             match ops.as_mut_slice() {
                 // A negated constant stays one.
                 [Op::Value(value)] => *value = -*value,
-                _ => ops.push(Op::Own(Own::Minus)),
+                _ => ops.push(Op::Own(FanucOp::Minus)),
             }
         }
         self.checked(ops)

@@ -6,14 +6,14 @@
 
 use super::approach::goes_in_plane;
 use super::eval::Evaluator;
-use super::formula::Name;
-use super::iso_blocks::Modes;
-use super::path::{Shape, Step};
-use super::statement::Statement;
-use super::variables::Value;
-use super::words::{Operand, Seen, Word};
-use super::{Heidenhain, Line};
-use crate::host::{Host, Place};
+use super::formula::QParameter;
+use super::iso_blocks::IsoModes;
+use super::path::{PathBlock, PathBlockKind};
+use super::statement::HeidenhainStatement;
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, HeidenhainWord, Operand};
+use super::{Heidenhain, HeidenhainLine};
+use crate::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
 
@@ -28,23 +28,28 @@ impl Heidenhain {
     /// Reads path blocks ahead: a corner with the block after it, or the first element of a contour.
     pub(super) fn ahead(
         &mut self,
-        host: &mut dyn Host,
-        shape: Shape,
+        host: &mut dyn InterpreterHost,
+        shape: PathBlockKind,
         next: u32,
-        place: Place,
-    ) -> Result<Vec<Step>, Halt> {
+        place: ProgramPlace,
+    ) -> Result<Vec<PathBlock>, Halt> {
         // The line after an arc may say where the arc ends.
-        let to_contour = matches!(shape, Shape::Approach(_));
-        let is_free_arc = matches!(shape, Shape::FreeArc { .. });
+        let to_contour = matches!(shape, PathBlockKind::Approach(_));
+        let is_free_arc = matches!(shape, PathBlockKind::FreeArc { .. });
         let cuts = !matches!(
             shape,
-            Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Chamfer | Shape::Round | Shape::Depart(_)
+            PathBlockKind::Pole
+                | PathBlockKind::FreePole
+                | PathBlockKind::FreeSelect
+                | PathBlockKind::Chamfer
+                | PathBlockKind::Round
+                | PathBlockKind::Depart(_)
         );
         if !to_contour && !is_free_arc && !cuts {
             return Ok(Vec::new());
         }
         if to_contour {
-            let mut run = Run { calls: Some(Vec::new()), ..Run::new(self.modes, place) };
+            let mut run = PathLookAhead { calls: Some(Vec::new()), ..PathLookAhead::new(self.modes, place) };
             let steps = self.steps_to_motion(host, &mut run, next);
             self.put_back(run);
             return steps;
@@ -52,31 +57,36 @@ impl Heidenhain {
         self.note_select(host, 0, next, place);
         let Some(first) = self.following(host, next, place) else { return Ok(Vec::new()) };
         let is_corner = match &first.statement {
-            Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
-            Statement::Path { shape: Shape::Iso, words, .. } => {
+            HeidenhainStatement::Path { shape: PathBlockKind::Chamfer | PathBlockKind::Round, .. } => true,
+            HeidenhainStatement::Path { shape: PathBlockKind::Iso, words, .. } => {
                 words.iter().any(|word| matches!(g_number(word), Some(24.0 | 25.0)))
             }
             _ => false,
         };
-        let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
+        let elements = matches!(shape, PathBlockKind::FreeLine { .. } | PathBlockKind::FreeArc { .. });
         if !is_free_arc && !is_corner && !elements {
             return Ok(Vec::new());
         }
-        let mut run = Run::new(self.modes, place);
+        let mut run = PathLookAhead::new(self.modes, place);
         let steps = self.steps_from(host, &mut run, (next, place), is_corner || elements);
         self.put_back(run);
         steps
     }
 
     /// Gives the parameters the values that they had before a look ahead.
-    fn put_back(&mut self, run: Run) {
+    fn put_back(&mut self, run: PathLookAhead) {
         for (name, value) in run.before.into_iter().rev() {
             self.variables.put_back(name, value);
         }
     }
 
     /// The path blocks up to the first one that moves in the plane.
-    fn steps_to_motion(&mut self, host: &mut dyn Host, run: &mut Run, from: u32) -> Result<Vec<Step>, Halt> {
+    fn steps_to_motion(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        run: &mut PathLookAhead,
+        from: u32,
+    ) -> Result<Vec<PathBlock>, Halt> {
         let (mut steps, mut behind) = (Vec::new(), from);
         for _ in 0..NEAR {
             let Some((found, after)) = self.run_to_steps(host, run, behind)? else { break };
@@ -94,11 +104,11 @@ impl Heidenhain {
     /// The next path block, and with `more` the path block after it, with a pole between them.
     fn steps_from(
         &mut self,
-        host: &mut dyn Host,
-        run: &mut Run,
-        (from, place): (u32, Place),
+        host: &mut dyn InterpreterHost,
+        run: &mut PathLookAhead,
+        (from, place): (u32, ProgramPlace),
         more: bool,
-    ) -> Result<Vec<Step>, Halt> {
+    ) -> Result<Vec<PathBlock>, Halt> {
         let Some((mut steps, mut behind)) = self.run_to_steps(host, run, from)? else {
             return Ok(Vec::new());
         };
@@ -109,7 +119,7 @@ impl Heidenhain {
         for count in 2..=3 {
             let Some((found, after)) = self.run_to_steps(host, run, behind)? else { break };
             self.note_select(host, count, after, place);
-            let is_pole = matches!(found.as_slice(), [step] if step.shape == Shape::Pole);
+            let is_pole = matches!(found.as_slice(), [step] if step.shape == PathBlockKind::Pole);
             steps.extend(found);
             if !is_pole {
                 break;
@@ -120,13 +130,13 @@ impl Heidenhain {
     }
 
     /// Records FSELECT after this number of following elements.
-    fn note_select(&mut self, host: &mut dyn Host, behind: usize, from: u32, place: Place) {
+    fn note_select(&mut self, host: &mut dyn InterpreterHost, behind: usize, from: u32, place: ProgramPlace) {
         let mut line = from;
         while line <= place.range.last && line < from.saturating_add(NEAR) {
             let Ok(read) = self.line(host, line) else { return };
             match &read.statement {
-                Statement::Nothing => line = read.next,
-                Statement::Path { shape: Shape::FreeSelect, words, .. } => {
+                HeidenhainStatement::Nothing => line = read.next,
+                HeidenhainStatement::Path { shape: PathBlockKind::FreeSelect, words, .. } => {
                     let number = words.iter().find_map(|word| match &word.operand {
                         Operand::Number(_, value) => Some(*value as usize),
                         _ => None,
@@ -142,11 +152,11 @@ impl Heidenhain {
     /// The path blocks of a block. In an ISO program on a machine with conversational words there may be several.
     fn elements_ahead(
         &mut self,
-        host: &dyn Host,
-        modes: &mut Modes,
-        (shape, iso, words): (Shape, bool, &[Word]),
-    ) -> Vec<(Shape, bool, Vec<Word>)> {
-        let elements = if shape == Shape::Iso && self.is_translated(host) { modes.read(words) } else { None };
+        host: &dyn InterpreterHost,
+        modes: &mut IsoModes,
+        (shape, iso, words): (PathBlockKind, bool, &[HeidenhainWord]),
+    ) -> Vec<(PathBlockKind, bool, Vec<HeidenhainWord>)> {
+        let elements = if shape == PathBlockKind::Iso && self.is_translated(host) { modes.read(words) } else { None };
         match elements {
             Some(elements) => elements.into_iter().map(|(shape, words)| (shape, false, words)).collect(),
             None => vec![(shape, iso, words.to_vec())],
@@ -156,19 +166,19 @@ impl Heidenhain {
     /// The path blocks of the next block with motion in program order, with the line after it.
     fn run_to_steps(
         &mut self,
-        host: &mut dyn Host,
-        run: &mut Run,
+        host: &mut dyn InterpreterHost,
+        run: &mut PathLookAhead,
         from: u32,
-    ) -> Result<Option<(Vec<Step>, u32)>, Halt> {
+    ) -> Result<Option<(Vec<PathBlock>, u32)>, Halt> {
         let mut line = from;
         for _ in 0..NEAR {
             let Some(read) = Some(line).filter(|line| *line <= run.last) else { return Ok(None) };
             let Ok(read) = self.line_in(host, run.file, read) else { return Ok(None) };
             line = match &read.statement {
-                Statement::Nothing | Statement::Label(_) | Statement::Path { shape: Shape::FreeSelect, .. } => {
-                    read.next
-                }
-                Statement::Assign(name, formula) => {
+                HeidenhainStatement::Nothing
+                | HeidenhainStatement::Label(_)
+                | HeidenhainStatement::Path { shape: PathBlockKind::FreeSelect, .. } => read.next,
+                HeidenhainStatement::Assign(name, formula) => {
                     let value = Evaluator::new(&mut self.variables, host).value(formula)?;
                     run.before.push((*name, self.variables.get(*name)));
                     if !self.variables.set(*name, value) {
@@ -176,46 +186,49 @@ impl Heidenhain {
                     }
                     read.next
                 }
-                Statement::Branch(condition, to) if self.holds(host, condition)? => {
+                HeidenhainStatement::Branch(condition, to) if self.holds(host, condition)? => {
                     let label = self.label_of(host, to)?;
                     let Some(line) = self.find_label_in(host, run.file, &label) else { return Ok(None) };
                     line
                 }
-                Statement::Branch(..) => read.next,
-                Statement::Stop(_)
-                | Statement::ToolDefinition { .. }
-                | Statement::CyclePart { cycle: DWELL | TOLERANCE, .. }
+                HeidenhainStatement::Branch(..) => read.next,
+                HeidenhainStatement::Stop(_)
+                | HeidenhainStatement::ToolDefinition { .. }
+                | HeidenhainStatement::CyclePart { cycle: DWELL | TOLERANCE, .. }
                     if run.calls.is_some() =>
                 {
                     read.next
                 }
-                Statement::CallLabel { label, .. } if run.calls.is_some() => {
+                HeidenhainStatement::CallLabel { label, .. } if run.calls.is_some() => {
                     let label = self.label_of(host, label)?;
                     let Some(line) = self.find_label_in(host, run.file, &label) else { return Ok(None) };
                     run.enter(None, read.next);
                     line
                 }
-                Statement::CallProgram(name) if run.calls.is_some() => {
+                HeidenhainStatement::CallProgram(name) if run.calls.is_some() => {
                     let name = self.text(host, name)?;
                     let Some((file, range)) = self.find_program(host, &name, false)? else { return Ok(None) };
                     run.enter(Some((file, range.last)), read.next);
                     range.first
                 }
                 // Positions of a program with another unit are not those of this one.
-                Statement::Begin { inch, .. }
+                HeidenhainStatement::Begin { inch, .. }
                     if run.is_in_program() && inch.is_none_or(|inch| inch == (host.length_factor() != 1.0)) =>
                 {
                     read.next
                 }
-                Statement::EndOfLabel => {
+                HeidenhainStatement::EndOfLabel => {
                     let Some(line) = run.leave(false) else { return Ok(None) };
                     line
                 }
-                Statement::End => {
+                HeidenhainStatement::End => {
                     let Some(line) = run.leave(true) else { return Ok(None) };
                     line
                 }
-                Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
+                HeidenhainStatement::Words(words)
+                | HeidenhainStatement::Path { shape: PathBlockKind::Iso, words, .. }
+                    if is_still(words) =>
+                {
                     // Its modes apply to the following blocks.
                     if self.is_translated(host) {
                         run.modes.read(words);
@@ -225,7 +238,7 @@ impl Heidenhain {
                     }
                     read.next
                 }
-                Statement::Path { shape, iso, words } => {
+                HeidenhainStatement::Path { shape, iso, words } => {
                     let mut steps = Vec::new();
                     for (shape, iso, words) in self.elements_ahead(host, &mut run.modes, (*shape, *iso, words)) {
                         let mut seen = run.said.clone();
@@ -233,7 +246,7 @@ impl Heidenhain {
                         self.cycles.contours.unroll(&mut seen);
                         // The line of a corner follows the place where the corner was read.
                         let line = read.next.saturating_sub(1);
-                        steps.push(Step { shape, iso, seen, line, number: read.number, rapid: None });
+                        steps.push(PathBlock { shape, iso, seen, line, number: read.number, rapid: None });
                     }
                     return Ok(Some((steps, read.next)));
                 }
@@ -244,19 +257,27 @@ impl Heidenhain {
     }
 
     /// The next path block from a line on, after blocks without motion; nothing is evaluated.
-    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<std::sync::Arc<Line>> {
+    fn following(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        from: u32,
+        place: ProgramPlace,
+    ) -> Option<std::sync::Arc<HeidenhainLine>> {
         let mut line = from;
         while line <= place.range.last && line < from.saturating_add(NEAR) {
             let read = self.line(host, line).ok()?;
             match &read.statement {
-                Statement::Nothing
-                | Statement::Label(_)
-                | Statement::Assign(..)
-                | Statement::Path { shape: Shape::FreeSelect, .. } => line = read.next,
-                Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
+                HeidenhainStatement::Nothing
+                | HeidenhainStatement::Label(_)
+                | HeidenhainStatement::Assign(..)
+                | HeidenhainStatement::Path { shape: PathBlockKind::FreeSelect, .. } => line = read.next,
+                HeidenhainStatement::Words(words)
+                | HeidenhainStatement::Path { shape: PathBlockKind::Iso, words, .. }
+                    if is_still(words) =>
+                {
                     line = read.next;
                 }
-                Statement::Path { .. } => return Some(read),
+                HeidenhainStatement::Path { .. } => return Some(read),
                 _ => return None,
             }
         }
@@ -265,21 +286,21 @@ impl Heidenhain {
 }
 
 /// The state of a look ahead.
-struct Run {
-    modes: Modes,
+struct PathLookAhead {
+    modes: IsoModes,
     /// G words of blocks without motion that are not converted to modes.
-    said: Vec<Seen>,
+    said: Vec<EvaluatedWord>,
     /// Parameters changed by assignments in between, with their previous values.
-    before: Vec<(Name, Option<Value>)>,
+    before: Vec<(QParameter, Option<ParameterValue>)>,
     /// The file that it reads, and the last line of the program there.
     file: FileId,
     last: u32,
     /// The calls that it is in; none if it ends at a call.
-    calls: Option<Vec<Caller>>,
+    calls: Option<Vec<LookAheadReturn>>,
 }
 
 /// Where a look ahead continues after a call.
-struct Caller {
+struct LookAheadReturn {
     file: FileId,
     last: u32,
     line: u32,
@@ -287,15 +308,15 @@ struct Caller {
     program: bool,
 }
 
-impl Run {
-    fn new(modes: Modes, place: Place) -> Self {
+impl PathLookAhead {
+    fn new(modes: IsoModes, place: ProgramPlace) -> Self {
         let (file, last) = (place.file, place.range.last);
         Self { modes, said: Vec::new(), before: Vec::new(), file, last, calls: None }
     }
 
     /// Enters a label, or a program with its file and last line.
     fn enter(&mut self, program: Option<(FileId, u32)>, line: u32) {
-        let caller = Caller { file: self.file, last: self.last, line, program: program.is_some() };
+        let caller = LookAheadReturn { file: self.file, last: self.last, line, program: program.is_some() };
         self.calls.get_or_insert_default().push(caller);
         (self.file, self.last) = program.unwrap_or((self.file, self.last));
     }
@@ -313,7 +334,7 @@ impl Run {
 }
 
 /// Number of a G word.
-fn g_number(word: &Word) -> Option<f64> {
+fn g_number(word: &HeidenhainWord) -> Option<f64> {
     match word.operand {
         Operand::Number(_, value) if &*word.name == "G" => Some(value),
         _ => None,
@@ -322,7 +343,7 @@ fn g_number(word: &Word) -> Option<f64> {
 
 /// Whether a block between a line and its corner neither moves nor calls. It sets a speed, a feed or the radius of a
 /// soft approach or departure, or has switching M functions, or motion words and G90 and G91 without a position.
-fn is_still(words: &[Word]) -> bool {
+fn is_still(words: &[HeidenhainWord]) -> bool {
     let soft = words.iter().any(|word| matches!(g_number(word), Some(26.0 | 27.0)));
     let soft = soft && words.iter().all(|word| matches!(&*word.name, "G" | "R"));
     soft || !words.is_empty()

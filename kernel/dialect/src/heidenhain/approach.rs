@@ -6,28 +6,28 @@
 //! straight line to its end, and is reported.
 
 use super::free::{of_step, sense_of};
-use super::path::{Position, Shape, Step, Walk, axis};
-use super::words::{LeftBlock, Seen};
+use super::path::{PathBlock, PathBlockKind, PathBuilder, Position, axis};
+use super::words::{EvaluatedWord, LeftBlock};
 
-use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
+use crate::contour::{self, ApproachPath, Departure, PathDimensions, PathShape, Point, PolarPoint, direction, minus};
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     fn word(&self, name: &str) -> Option<f64> {
         self.step.seen.iter().find(|word| word.is(name) && !word.is_off()).and_then(|word| word.value)
     }
 
     /// Length or radius of a path, the side on which the tool goes, and its distance from the contour. Without
     /// compensation the tool centre moves on the contour; a positive value counts as the left side.
-    fn side(&self, way: PathShape) -> Side {
+    fn side(&self, way: PathShape) -> PathDimensions {
         let angle = self.word("CCA").unwrap_or(90.0).abs();
         let is_straight = matches!(way, PathShape::Straight | PathShape::Normal);
         let size = self.word(if is_straight { "LEN" } else { "R" }).unwrap_or(0.0);
         let Some(on_left) = self.path.side.is_left else {
-            return Side { size: size.abs(), on_left: size >= 0.0, beside: 0.0, angle };
+            return PathDimensions { size: size.abs(), on_left: size >= 0.0, beside: 0.0, angle };
         };
         let [_, radius] = self.host.tool_in_force();
         let beside = (radius / self.host.length_factor()).max(0.0);
-        Side { size: if is_straight { size.abs() } else { size }, on_left, beside, angle }
+        PathDimensions { size: if is_straight { size.abs() } else { size }, on_left, beside, angle }
     }
 
     pub(super) fn approach(&mut self, way: PathShape) -> Vec<LeftBlock> {
@@ -50,7 +50,7 @@ impl Walk<'_> {
         let side = self.side(way);
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
-        let Some(Approach { begin, arc, begins_plain, heading }) = made else {
+        let Some(ApproachPath { begin, arc, begins_plain, heading }) = made else {
             self.refuse("the approach has no length or radius that fits");
             return vec![self.straight(&end, others)];
         };
@@ -73,18 +73,23 @@ impl Walk<'_> {
 
     /// The words of both parts of an approach. The first part has the feed of the previous block, also at rapid, except
     /// beside LCT. Compensation that starts with the second part is a word of that part.
-    fn words_of_approach(&self, way: PathShape, begins_plain: bool, words: Vec<Seen>) -> (Vec<Seen>, Vec<Seen>) {
+    fn words_of_approach(
+        &self,
+        way: PathShape,
+        begins_plain: bool,
+        words: Vec<EvaluatedWord>,
+    ) -> (Vec<EvaluatedWord>, Vec<EvaluatedWord>) {
         let (mut first, mut second) = (words, Vec::new());
         if way != PathShape::LineAndCircle {
             second.extend(first.extract_if(.., |word| word.is_rate() || word.is("FAUTO")));
             if self.path.rates.rapid_before {
-                first.push(Seen::text("FMAX"));
+                first.push(EvaluatedWord::text("FMAX"));
             }
         }
         if begins_plain {
             let compensation = first.extract_if(.., |word| word.is("RL") || word.is("RR")).collect::<Vec<_>>();
             if !compensation.is_empty() {
-                first.insert(0, Seen::text("R0"));
+                first.insert(0, EvaluatedWord::text("R0"));
             }
             second.splice(0..0, compensation);
         }
@@ -96,8 +101,8 @@ impl Walk<'_> {
         let (mut pole, mut free_pole) = (self.path.poles.flat, self.path.free.pole);
         for step in self.ahead {
             match step.shape {
-                Shape::Pole => pole = self.pole_of(&step.seen, from),
-                Shape::FreePole => free_pole = Some(self.flat(&self.target_of(&step.seen, from))),
+                PathBlockKind::Pole => pole = self.pole_of(&step.seen, from),
+                PathBlockKind::FreePole => free_pole = Some(self.flat(&self.target_of(&step.seen, from))),
                 shape if shape.is_free() => return self.free_heading(step, point, free_pole.or(pole)),
                 _ if goes_in_plane(step, self.path.plane) => return self.heading_of(step, from, (point, pole)),
                 _ => {}
@@ -107,17 +112,17 @@ impl Walk<'_> {
     }
 
     /// Direction in which a block leaves a point.
-    fn heading_of(&self, step: &Step, from: &Position, (point, pole): (Point, Option<Point>)) -> Option<Point> {
+    fn heading_of(&self, step: &PathBlock, from: &Position, (point, pole): (Point, Option<Point>)) -> Option<Point> {
         match step.shape {
-            Shape::Line | Shape::Tangent | Shape::Space => {
+            PathBlockKind::Line | PathBlockKind::Tangent | PathBlockKind::Space => {
                 direction(minus(self.end_of(&step.seen, from, None, false)?, point))
             }
-            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, pole, true)?, point)),
-            Shape::Arc | Shape::PolarArc => {
+            PathBlockKind::PolarLine => direction(minus(self.end_of(&step.seen, from, pole, true)?, point)),
+            PathBlockKind::Arc | PathBlockKind::PolarArc => {
                 let clockwise = step.seen.iter().any(|word| word.turns() == Some(true));
                 direction(contour::heading_on(pole?, point, clockwise))
             }
-            Shape::Radius => {
+            PathBlockKind::Radius => {
                 let to = self.end_of(&step.seen, from, None, false)?;
                 let clockwise = step.seen.iter().any(|word| word.turns() == Some(true));
                 let radius = step.seen.iter().find(|word| word.is("R") && !word.is_off())?.value?;
@@ -129,8 +134,8 @@ impl Walk<'_> {
     }
 
     /// Direction in which an element of a free contour leaves a point: by its angle, its end or its centre.
-    fn free_heading(&self, step: &Step, point: Point, pole: Option<Point>) -> Option<Point> {
-        if matches!(step.shape, Shape::FreeLine { tangent: true } | Shape::FreeArc { tangent: true }) {
+    fn free_heading(&self, step: &PathBlock, point: Point, pole: Option<Point>) -> Option<Point> {
+        if matches!(step.shape, PathBlockKind::FreeLine { tangent: true } | PathBlockKind::FreeArc { tangent: true }) {
             return None;
         }
         if let Some(angle) = of_step(step, "AN") {
@@ -138,10 +143,10 @@ impl Walk<'_> {
         }
         let polar = |radius: &str, angle: &str| {
             let (radius, angle) = (of_step(step, radius)?, of_step(step, angle)?);
-            Some(Polar { radius, angle }.point(pole?))
+            Some(PolarPoint { radius, angle }.point(pole?))
         };
         let end = self.end_behind(step).or_else(|| polar("PR", "PA"));
-        if matches!(step.shape, Shape::FreeLine { .. }) {
+        if matches!(step.shape, PathBlockKind::FreeLine { .. }) {
             return direction(minus(end?, point));
         }
         let clockwise = sense_of(step).or(self.path.clockwise)?;
@@ -170,8 +175,8 @@ impl Walk<'_> {
         }
         self.path.side.is_left = None;
         let mut with_end = others;
-        if !with_end.iter().any(Seen::is_off) {
-            with_end.insert(0, Seen::text("R0"));
+        if !with_end.iter().any(EvaluatedWord::is_off) {
+            with_end.insert(0, EvaluatedWord::text("R0"));
         }
         match contour::depart(way, (from, heading), self.flat(&end), side) {
             Some(Departure::Line { to, heading }) => {
@@ -189,7 +194,7 @@ impl Walk<'_> {
             Some(Departure::ArcAndLine { leave, arc, to }) => {
                 let mut middle = self.actual;
                 self.put(&mut middle, leave);
-                let feed: Vec<Seen> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
+                let feed: Vec<EvaluatedWord> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
                 let first = self.by_radius(&middle, arc.radius, arc.clockwise, feed);
                 with_end.retain(|word| !word.is("F"));
                 let start = std::mem::replace(&mut self.actual, middle);
@@ -210,12 +215,12 @@ impl Walk<'_> {
 const USED: [&str; 8] = ["PR", "PA", "IPR", "IPA", "LEN", "CCA", "CCA=", "R"];
 
 /// Whether a block moves axes of the plane.
-pub(super) fn goes_in_plane(step: &Step, plane: [usize; 2]) -> bool {
+pub(super) fn goes_in_plane(step: &PathBlock, plane: [usize; 2]) -> bool {
     let in_plane = |name: &str| axis(name).is_some_and(|(own, _)| plane.contains(&own));
     let is_polar = |name: &str| matches!(name, "PR" | "PA" | "IPR" | "IPA");
-    let moves = |word: &Seen| word.value.is_some() && (in_plane(&word.name) || is_polar(&word.name));
+    let moves = |word: &EvaluatedWord| word.value.is_some() && (in_plane(&word.name) || is_polar(&word.name));
     match step.shape {
-        Shape::Pole | Shape::FreePole | Shape::FreeSelect => false,
+        PathBlockKind::Pole | PathBlockKind::FreePole | PathBlockKind::FreeSelect => false,
         shape => shape.is_free() || step.seen.iter().any(moves),
     }
 }

@@ -7,12 +7,12 @@
 //! there. *Invariant:* contours that do not meet, and that lie in each other only as pocket, island, pocket, stay as
 //! programmed.
 
-use counterpoint_motion::contour::closed::Closed;
+use counterpoint_motion::contour::closed::ClosedContour;
 use counterpoint_motion::contour::combine::{combined, touch};
 use counterpoint_motion::contour::shifted::shifted;
 
 use super::Heidenhain;
-use super::contours::{Contours, Figure};
+use super::contours::{AreaBoundary, Contours};
 
 /// How two areas make one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,13 +25,13 @@ pub(super) enum Join {
 
 /// Composition of an area; contours by their places.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Area {
+pub(super) enum AreaExpression {
     Contour(usize),
-    Outside(Box<Area>),
-    Of(Join, Box<Area>, Box<Area>),
+    Outside(Box<AreaExpression>),
+    Of(Join, Box<AreaExpression>, Box<AreaExpression>),
 }
 
-impl Area {
+impl AreaExpression {
     /// Whether a spot lies in it that is held by these contours.
     fn holds(&self, held: &[bool]) -> bool {
         match self {
@@ -83,13 +83,13 @@ impl Area {
 }
 
 /// The union of areas.
-fn union(areas: impl Iterator<Item = Area>) -> Option<Area> {
+fn union(areas: impl Iterator<Item = AreaExpression>) -> Option<AreaExpression> {
     areas.reduce(|one, other| one.joined(Join::Union, other))
 }
 
 /// The combined area of the figures: overlapping pockets, then islands removed, then pockets inside islands.
 /// `by_start`: two pockets become their intersection if the first starts in the second.
-fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
+fn of_figures(figures: &[AreaBoundary], by_start: bool) -> Option<AreaExpression> {
     let at = |place: usize| figures.get(place);
     let starts_in = |one: usize, other: usize| {
         let start = at(one).and_then(|figure| figure.outline.elements().first()).map(|element| element.from);
@@ -100,9 +100,9 @@ fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
     let inside = |one: usize, other: usize| starts_in(one, other) && !meets(one, other);
     let is_inner = |pocket: &usize| of(false).any(|island| inside(*pocket, island));
     // Pockets that meet; each group with its area so far.
-    let mut groups: Vec<(Vec<usize>, Area)> = Vec::new();
+    let mut groups: Vec<(Vec<usize>, AreaExpression)> = Vec::new();
     for pocket in of(true).filter(|pocket| !is_inner(pocket)) {
-        let mut area = Area::Contour(pocket);
+        let mut area = AreaExpression::Contour(pocket);
         let mut members = vec![pocket];
         while let Some(near) = groups.iter().position(|(others, _)| others.iter().any(|other| meets(*other, pocket))) {
             let (others, group) = groups.remove(near);
@@ -115,12 +115,12 @@ fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
     }
     let mut area = union(groups.into_iter().map(|(_, area)| area))?;
     let outer = of(false).filter(|island| !of(true).filter(is_inner).any(|pocket| inside(*island, pocket)));
-    if let Some(islands) = union(outer.map(Area::Contour)) {
+    if let Some(islands) = union(outer.map(AreaExpression::Contour)) {
         area = area.joined(Join::Without, islands);
     }
     for pocket in of(true).filter(is_inner) {
-        let own = union(of(false).filter(|island| inside(*island, pocket)).map(Area::Contour));
-        let pocket = Area::Contour(pocket);
+        let own = union(of(false).filter(|island| inside(*island, pocket)).map(AreaExpression::Contour));
+        let pocket = AreaExpression::Contour(pocket);
         let pocket = own.map_or_else(|| pocket.clone(), |own| pocket.clone().joined(Join::Without, own));
         area = area.joined(Join::Union, pocket);
     }
@@ -128,17 +128,17 @@ fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
 }
 
 /// The rims of an area as pockets and islands.
-fn rims(figures: &[Figure], area: &Area, counts: &[bool]) -> Result<Vec<Figure>, String> {
-    let outlines: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+fn rims(figures: &[AreaBoundary], area: &AreaExpression, counts: &[bool]) -> Result<Vec<AreaBoundary>, String> {
+    let outlines: Vec<ClosedContour> = figures.iter().map(|figure| figure.outline.clone()).collect();
     let counted = |held: &[bool]| held.iter().zip(counts).map(|(held, counts)| *held && *counts).collect::<Vec<_>>();
     let rings = combined(&outlines, |held| area.holds(&counted(held)))
         .ok_or_else(|| "the contours meet too often, or leave a rim that does not close".to_owned())?;
-    let figure = |outline: Closed| Figure { is_pocket: !outline.is_clockwise(), outline };
+    let figure = |outline: ClosedContour| AreaBoundary { is_pocket: !outline.is_clockwise(), outline };
     Ok(rings.into_iter().map(figure).collect())
 }
 
 /// Pockets and islands as they may stand: apart, an island in a pocket, a pocket in an island.
-fn is_plain(figures: &[Figure]) -> bool {
+fn is_plain(figures: &[AreaBoundary]) -> bool {
     figures.iter().enumerate().all(|(place, figure)| {
         let others = || figures.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
         let Some(start) = figure.outline.elements().first().map(|element| element.from) else { return false };
@@ -149,14 +149,14 @@ fn is_plain(figures: &[Figure]) -> bool {
 
 /// An area down to a level, above which it is that of the stage before; the level as a depth below the surface, none
 /// for that of the cycle.
-pub(super) struct Stage {
+pub(super) struct AreaStage {
     pub(super) depth: Option<f64>,
-    pub(super) figures: Vec<Figure>,
+    pub(super) figures: Vec<AreaBoundary>,
 }
 
 impl Contours {
     /// The area of figures without depths of their own.
-    fn together(&self, figures: Vec<Figure>) -> Result<Vec<Figure>, String> {
+    fn together(&self, figures: Vec<AreaBoundary>) -> Result<Vec<AreaBoundary>, String> {
         if let Some(formula) = &self.formula {
             return rims(&figures, formula, &vec![true; figures.len()]);
         }
@@ -178,13 +178,13 @@ impl Contours {
 }
 
 /// The first figure becomes larger, the others have to be islands in it.
-fn open_boundary(figures: &mut [Figure], beyond: f64) -> Result<(), String> {
+fn open_boundary(figures: &mut [AreaBoundary], beyond: f64) -> Result<(), String> {
     let islands = figures.get(1..).unwrap_or_default().iter().all(|figure| !figure.is_pocket);
     let Some(first) = figures.first_mut().filter(|first| first.is_pocket && islands) else {
         return Err("an open boundary (Q569=1) is the first contour, a pocket, and the others are islands".to_owned());
     };
     let outside = if first.outline.is_clockwise() { 1.0 } else { -1.0 };
-    let larger = shifted(first.outline.from_longest().elements(), outside, beyond).and_then(Closed::new);
+    let larger = shifted(first.outline.from_longest().elements(), outside, beyond).and_then(ClosedContour::new);
     first.outline = larger.ok_or_else(|| "the tool does not fit around the open boundary (Q569)".to_owned())?;
     if is_plain(figures) { Ok(()) } else { Err("islands reach beyond the open boundary (Q569), or meet".to_owned()) }
 }
@@ -192,7 +192,7 @@ fn open_boundary(figures: &mut [Figure], beyond: f64) -> Result<(), String> {
 impl Heidenhain {
     /// The common area of the contours, from the surface down.
     /// `open`: how far the tool may go beyond the first of them, which bounds the material.
-    pub(super) fn stages(&self, bottom: f64, open: Option<f64>) -> Result<Vec<Stage>, String> {
+    pub(super) fn stages(&self, bottom: f64, open: Option<f64>) -> Result<Vec<AreaStage>, String> {
         let mut figures = self.figures()?;
         if let Some(beyond) = open {
             open_boundary(&mut figures, beyond)?;
@@ -201,9 +201,9 @@ impl Heidenhain {
         let depth = |place: usize| contours.depth(place);
         let mut stops: Vec<f64> = (0..figures.len()).filter_map(depth).collect();
         if stops.is_empty() {
-            return Ok(vec![Stage { depth: None, figures: contours.together(figures)? }]);
+            return Ok(vec![AreaStage { depth: None, figures: contours.together(figures)? }]);
         }
-        let is_pocket = |figure: &Figure| figure.is_pocket;
+        let is_pocket = |figure: &AreaBoundary| figure.is_pocket;
         if figures.iter().enumerate().any(|(place, figure)| is_pocket(figure) && depth(place).is_none()) {
             stops.push(bottom);
         }
@@ -218,14 +218,14 @@ impl Heidenhain {
                 Some(own) if figure.is_pocket => own >= stop - 1e-9,
                 Some(top) => top < stop - 1e-9,
             });
-            let here: Vec<Figure> = here.map(|(_, figure)| figure.clone()).collect();
+            let here: Vec<AreaBoundary> = here.map(|(_, figure)| figure.clone()).collect();
             if let Some(formula) = &contours.formula {
                 // Contours that end above are not there.
                 let ends = |place: usize| depth(place).is_some_and(|own| own < stop - 1e-9);
                 let counts: Vec<bool> = (0..figures.len()).map(|place| !ends(place)).collect();
-                stages.push(Stage { depth: Some(stop), figures: rims(&figures, formula, &counts)? });
+                stages.push(AreaStage { depth: Some(stop), figures: rims(&figures, formula, &counts)? });
             } else if here.iter().any(is_pocket) {
-                stages.push(Stage { depth: Some(stop), figures: contours.together(here)? });
+                stages.push(AreaStage { depth: Some(stop), figures: contours.together(here)? });
             }
         }
         Ok(stages)

@@ -3,16 +3,16 @@
 //! Facts: programming manuals of the control. *Invariant:* a point is one of the plane only with both coordinates, and
 //! never the end of an element.
 
-use super::path::{AXES, Step};
-use super::words::{Operand, Word};
+use super::path::{AXES, PathBlock};
+use super::words::{HeidenhainWord, Operand};
 use crate::contour::{Point, left, minus, turn};
 
 /// Points that a block may name.
 const POINTS: [&str; 3] = ["P1", "P2", "P3"];
 
 /// `P1X+5` is read as two words; it is one.
-pub(super) fn point_words(words: Vec<Word>) -> Vec<Word> {
-    let mut out: Vec<Word> = Vec::with_capacity(words.len());
+pub(super) fn point_words(words: Vec<HeidenhainWord>) -> Vec<HeidenhainWord> {
+    let mut out: Vec<HeidenhainWord> = Vec::with_capacity(words.len());
     for word in words {
         let point = out.last().filter(|last| &*last.name == "P").and_then(|last| match last.operand {
             Operand::Number(_, value) => POINTS.get((value as usize).checked_sub(1)?),
@@ -21,7 +21,7 @@ pub(super) fn point_words(words: Vec<Word>) -> Vec<Word> {
         match point.filter(|_| AXES.contains(&&*word.name)) {
             Some(point) => {
                 out.pop();
-                out.push(Word { name: format!("{point}{}", word.name).into(), ..word });
+                out.push(HeidenhainWord { name: format!("{point}{}", word.name).into(), ..word });
             }
             None => out.push(word),
         }
@@ -30,7 +30,7 @@ pub(super) fn point_words(words: Vec<Word>) -> Vec<Word> {
 }
 
 /// The points of a block in the plane of two axes.
-pub(super) fn points(step: &Step, plane: [usize; 2]) -> Vec<Point> {
+pub(super) fn points(step: &PathBlock, plane: [usize; 2]) -> Vec<Point> {
     let letters = plane.map(|axis| AXES.get(axis).copied().unwrap_or_default());
     let of = |point: &str, letter: &str| {
         let mut words = step.seen.iter();

@@ -5,12 +5,12 @@
 use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes;
 use super::formula::Formula;
-use super::path::{Shape, Step, axis, walk};
-use super::statement::{Condition, Statement, Test};
-use super::variables::Value;
-use super::words::{LeftBlock, Rest, Seen, Word, headed, joined};
-use super::{Heidenhain, Line};
-use crate::host::{Host, Place};
+use super::path::{PathBlock, PathBlockKind, axis, walk};
+use super::statement::{BranchCondition, HeidenhainStatement, Test};
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Rest, headed, joined};
+use super::{Heidenhain, HeidenhainLine};
+use crate::host::{InterpreterHost, ProgramPlace};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_machine::stored::StoredFile;
@@ -22,70 +22,80 @@ fn unit(inch: bool) -> &'static str {
 
 impl Heidenhain {
     /// Executes a block; returns its remaining words.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn carry_out(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        line: &HeidenhainLine,
+        place: ProgramPlace,
+    ) -> Result<Vec<LeftBlock>, Halt> {
         match &line.statement {
-            Statement::Nothing | Statement::Label(_) | Statement::Contour(_) => Ok(Vec::new()),
-            Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if self.is_translated(host) => {
+            HeidenhainStatement::Nothing | HeidenhainStatement::Label(_) | HeidenhainStatement::Contour(_) => {
+                Ok(Vec::new())
+            }
+            HeidenhainStatement::Words(words) | HeidenhainStatement::Path { shape: PathBlockKind::Iso, words, .. }
+                if self.is_translated(host) =>
+            {
                 self.iso_block(host, words, line, place)
             }
-            Statement::Words(words) => self.plain(host, words),
-            Statement::Assign(name, formula) => {
+            HeidenhainStatement::Words(words) => self.plain(host, words),
+            HeidenhainStatement::Assign(name, formula) => {
                 let mut evaluator = Evaluator::new(&mut self.variables, host);
                 let value = evaluator.value(formula)?;
                 evaluator.assign(*name, value).map(|()| Vec::new())
             }
-            Statement::Parameters(words) => self.parameters(host, words).map(|()| Vec::new()),
-            Statement::Branch(condition, to) => {
+            HeidenhainStatement::Parameters(words) => self.parameters(host, words).map(|()| Vec::new()),
+            HeidenhainStatement::Branch(condition, to) => {
                 if self.holds(host, condition)? {
                     self.jump(host, to)?;
                 }
                 Ok(Vec::new())
             }
-            Statement::Shared(statement, operands) => {
-                let value =
-                    |host: &mut dyn Host, operand: &Formula| Evaluator::new(&mut self.variables, host).number(operand);
+            HeidenhainStatement::Shared(statement, operands) => {
+                let value = |host: &mut dyn InterpreterHost, operand: &Formula| {
+                    Evaluator::new(&mut self.variables, host).number(operand)
+                };
                 statement.execute(host, operands, value).map(|()| Vec::new())
             }
-            Statement::Print(text) => self.print(host, text).map(|()| Vec::new()),
-            Statement::Send(text) => self.send(host, text).map(|()| Vec::new()),
-            Statement::SysRead { to, id, number, index } => {
+            HeidenhainStatement::Print(text) => self.print(host, text).map(|()| Vec::new()),
+            HeidenhainStatement::Send(text) => self.send(host, text).map(|()| Vec::new()),
+            HeidenhainStatement::SysRead { to, id, number, index } => {
                 self.system_read(host, *to, (id, number, index.as_ref())).map(|()| Vec::new())
             }
-            Statement::SysWrite { id, number, index, value } => {
+            HeidenhainStatement::SysWrite { id, number, index, value } => {
                 self.system_write(host, (id, number, index.as_ref()), value).map(|()| Vec::new())
             }
-            Statement::EndOfLabel => {
+            HeidenhainStatement::EndOfLabel => {
                 self.end_label(host);
                 Ok(Vec::new())
             }
-            Statement::CallLabel { label, repeat } => {
+            HeidenhainStatement::CallLabel { label, repeat } => {
                 self.call_label(host, label, repeat.as_ref()).map(|()| Vec::new())
             }
-            Statement::CallProgram(name) => {
+            HeidenhainStatement::CallProgram(name) => {
                 let name = self.text(host, name)?;
                 self.call_program(host, &name).map(|()| Vec::new())
             }
-            Statement::SelectProgram(name) => {
+            HeidenhainStatement::SelectProgram(name) => {
                 self.selected.program = Some(self.text(host, name)?);
                 Ok(Vec::new())
             }
-            Statement::SelectPoints(name) => self.select_points(host, name).map(|()| Vec::new()),
-            Statement::SelectDatums(name) => self.select_datums(host, name).map(|()| Vec::new()),
-            Statement::SelectContour(name) if self.settings.cycles.contains(&14) => {
+            HeidenhainStatement::SelectPoints(name) => self.select_points(host, name).map(|()| Vec::new()),
+            HeidenhainStatement::SelectDatums(name) => self.select_datums(host, name).map(|()| Vec::new()),
+            HeidenhainStatement::SelectContour(name) if self.settings.cycles.contains(&14) => {
                 self.select_contour(host, name).map(|()| Vec::new())
             }
-            Statement::SelectContour(_) => Err(self.not_understood(host)),
-            Statement::CallSelected => match self.selected.program.clone() {
+            HeidenhainStatement::SelectContour(_) => Err(self.not_understood(host)),
+            HeidenhainStatement::CallSelected => match self.selected.program.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| Vec::new()),
                 None => {
                     let text = format!("no program is selected for '{}'; program SEL PGM first", host.block_text());
                     Err(host.alarm(&diag::SUBPROGRAM_MISSING, text))
                 }
             },
-            Statement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
-            Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
-            Statement::End => self.end_program(host),
-            Statement::CycleDefinition(words)
+            HeidenhainStatement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
+            HeidenhainStatement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
+            HeidenhainStatement::End => self.end_program(host),
+            HeidenhainStatement::CycleDefinition(words)
                 if words.first().is_some_and(|word| &*word.name == "G") && self.is_translated(host) =>
             {
                 match Self::iso_definition(words) {
@@ -93,17 +103,17 @@ impl Heidenhain {
                     None => Err(self.not_understood(host)),
                 }
             }
-            Statement::CycleDefinition(words) => self.define_cycle(host, words, place),
-            Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
-            Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
-            Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
-            Statement::SelectPreset(words) => self.select_preset(host, words),
-            Statement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
-            Statement::Stop(words) => self.stop(host, words),
-            Statement::Path { shape, iso, words } => self.path(host, (*shape, *iso, words), line, place),
-            Statement::Foreign(words) => {
+            HeidenhainStatement::CycleDefinition(words) => self.define_cycle(host, words, place),
+            HeidenhainStatement::CyclePart { .. } => self.define_by_parts(host, line, place),
+            HeidenhainStatement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
+            HeidenhainStatement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
+            HeidenhainStatement::SelectPreset(words) => self.select_preset(host, words),
+            HeidenhainStatement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
+            HeidenhainStatement::Stop(words) => self.stop(host, words),
+            HeidenhainStatement::Path { shape, iso, words } => self.path(host, (*shape, *iso, words), line, place),
+            HeidenhainStatement::Foreign(words) => {
                 let starts = |count: usize| {
-                    let first = words.get(..count)?.iter().map(|word| Seen::text(&word.name));
+                    let first = words.get(..count)?.iter().map(|word| EvaluatedWord::text(&word.name));
                     Some(joined(&first.collect::<Vec<_>>()))
                 };
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
@@ -132,29 +142,33 @@ impl Heidenhain {
     }
 
     /// A statement that is not emulated is an alarm, because the following blocks depend on its effect.
-    pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Halt {
+    pub(super) fn not_understood(&mut self, host: &mut dyn InterpreterHost) -> Halt {
         let text = format!("'{}' is not supported on this machine", host.block_text());
         host.alarm(&diag::STATEMENT_UNKNOWN, text)
     }
 
     /// A value that has to be a text.
-    pub(super) fn text(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<std::sync::Arc<str>, Halt> {
+    pub(super) fn text(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        formula: &Formula,
+    ) -> Result<std::sync::Arc<str>, Halt> {
         Ok(match Evaluator::new(&mut self.variables, host).value(formula)? {
-            Value::Text(text) => text,
-            Value::Number(number) => super::words::shown(number).into(),
+            ParameterValue::Text(text) => text,
+            ParameterValue::Number(number) => super::words::shown(number).into(),
         })
     }
 
-    pub(super) fn holds(&mut self, host: &mut dyn Host, condition: &Condition) -> Result<bool, Halt> {
+    pub(super) fn holds(&mut self, host: &mut dyn InterpreterHost, condition: &BranchCondition) -> Result<bool, Halt> {
         let (left, test, right) = match condition {
-            Condition::Defined(name, defined) => return Ok(self.variables.get(*name).is_some() == *defined),
-            Condition::Compare(left, test, right) => (left, test, right),
+            BranchCondition::Defined(name, defined) => return Ok(self.variables.get(*name).is_some() == *defined),
+            BranchCondition::Compare(left, test, right) => (left, test, right),
         };
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let (left, right) = (evaluator.value(left)?, evaluator.value(right)?);
         let order = match (&left, &right) {
-            (Value::Number(left), Value::Number(right)) => left.partial_cmp(right),
-            (Value::Text(left), Value::Text(right)) => Some(left.cmp(right)),
+            (ParameterValue::Number(left), ParameterValue::Number(right)) => left.partial_cmp(right),
+            (ParameterValue::Text(left), ParameterValue::Text(right)) => Some(left.cmp(right)),
             _ => {
                 let text = format!("a text and a number cannot be compared in '{}'", host.block_text());
                 return Err(host.alarm(&diag::MACRO_DOMAIN, text));
@@ -169,7 +183,7 @@ impl Heidenhain {
     }
 
     /// Words of a block that the control tells by parameters.
-    pub(super) fn functions_of(&mut self, seen: &[Seen]) {
+    pub(super) fn functions_of(&mut self, seen: &[EvaluatedWord]) {
         let control = &mut self.variables.control;
         for word in seen {
             match (&*word.name, word.value) {
@@ -184,15 +198,23 @@ impl Heidenhain {
     }
 
     /// STOP.
-    pub(super) fn stop(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn stop(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         refuse_axes(host, "STOP", &seen)?;
         self.functions_of(&seen);
-        let stop = if host.is_code_text("STOP") { Seen::text("STOP") } else { Seen::made("M", 0.0) };
+        let stop = if host.is_code_text("STOP") { EvaluatedWord::text("STOP") } else { EvaluatedWord::made("M", 0.0) };
         Ok(vec![std::iter::once(stop).chain(seen).collect()])
     }
 
-    pub(super) fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn plain(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
         self.follow(host, &mut seen);
@@ -206,11 +228,11 @@ impl Heidenhain {
     }
 
     /// Several parameters of a cycle in a block of their own.
-    fn parameters(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
+    fn parameters(&mut self, host: &mut dyn InterpreterHost, words: &[HeidenhainWord]) -> Result<(), Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         for word in evaluator.seen(words)? {
             if let (Some(name), Some(value)) = (super::cycles::parameter_of(&word.name), word.value) {
-                evaluator.assign(name, Value::Number(value))?;
+                evaluator.assign(name, ParameterValue::Number(value))?;
             }
         }
         Ok(())
@@ -220,9 +242,9 @@ impl Heidenhain {
     /// control count as the program that calls them.
     fn begin_program(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         inch: Option<bool>,
-        words: &[Word],
+        words: &[HeidenhainWord],
     ) -> Result<Vec<LeftBlock>, Halt> {
         let file = host.place().file;
         if host.files().get(usize::from(file)).is_some_and(|name| name.starts_with(StoredFile::ROOT)) {
@@ -253,7 +275,7 @@ impl Heidenhain {
     }
 
     /// The unit of the program that has called the ending one, if the units differ.
-    pub(super) fn unit_of_caller(&mut self, host: &dyn Host) -> Option<LeftBlock> {
+    pub(super) fn unit_of_caller(&mut self, host: &dyn InterpreterHost) -> Option<LeftBlock> {
         let inches = self.variables.calls.here_mut().caller_in_inches.take()?;
         self.units.inches = inches;
         Some(unit(inches)).filter(|unit| host.is_code_text(unit)).map(|unit| headed(unit, []))
@@ -261,23 +283,23 @@ impl Heidenhain {
 
     pub(super) fn path(
         &mut self,
-        host: &mut dyn Host,
-        (shape, iso, words): (Shape, bool, &[Word]),
-        line: &Line,
-        place: Place,
+        host: &mut dyn InterpreterHost,
+        (shape, iso, words): (PathBlockKind, bool, &[HeidenhainWord]),
+        line: &HeidenhainLine,
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
-        if shape == Shape::Space && !host.is_code_text("LN") {
+        if shape == PathBlockKind::Space && !host.is_code_text("LN") {
             return Err(self.not_understood(host));
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs have words without a value.
-        let is_bare = |word: &Seen| word.value.is_none() && word.rest == Rest::Nothing;
+        let is_bare = |word: &EvaluatedWord| word.value.is_none() && word.rest == Rest::Nothing;
         seen.retain(|word| !is_bare(word) || !matches!(&*word.name, "R" | "F" | "M"));
         self.cycles.contours.unroll(&mut seen);
         self.rapid_feeds(&mut seen);
         self.functions_of(&seen);
         self.follow(host, &mut seen);
-        if shape == Shape::Space {
+        if shape == PathBlockKind::Space {
             self.directions(host, &mut seen)?;
         }
         let mut lines = self.function_words(host, &mut seen)?;
@@ -290,7 +312,7 @@ impl Heidenhain {
         self.cycle_calls(host, &mut seen, moves)?;
         self.after_block(&seen);
         let rapid = self.rapid_on_circle(host, shape, &seen)?;
-        let step = Step { shape, iso, seen, line: place.line, number: line.number, rapid };
+        let step = PathBlock { shape, iso, seen, line: place.line, number: line.number, rapid };
         self.path.free.selects.clear();
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);

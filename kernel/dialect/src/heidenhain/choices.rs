@@ -11,8 +11,8 @@
 
 use counterpoint_fault as diag;
 
-use super::free::{Free, of_step};
-use super::path::{Shape, Step, Walk};
+use super::free::{FreeContour, of_step};
+use super::path::{PathBlock, PathBlockKind, PathBuilder};
 use crate::contour::{Point, along, angle_between, direction, left, length, minus, touch, turn};
 
 /// Lines of FSELECT that are remembered.
@@ -21,7 +21,7 @@ const DECIDED: usize = 20;
 /// A line through a point, with its direction.
 pub(super) type Line = (Point, Point);
 
-impl Free {
+impl FreeContour {
     /// The FSELECT after this number of elements.
     pub(super) fn selected(&self, behind: usize) -> Option<(usize, u32)> {
         self.selects.iter().find(|(at, ..)| *at == behind).map(|(_, number, line)| (*number, *line))
@@ -36,7 +36,7 @@ impl Free {
     }
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// The only solution, or the solution that FSELECT selects after the elements that it needs.
     pub(super) fn pick<T: Copy>(&mut self, found: &[T], behind: usize) -> Option<T> {
         if found.len() < 2 {
@@ -69,12 +69,12 @@ impl Walk<'_> {
     }
 
     /// The point beside a line, and its distance.
-    fn point_beside(step: &Step) -> Option<(Point, f64)> {
+    fn point_beside(step: &PathBlock) -> Option<(Point, f64)> {
         Some(([of_step(step, "PDX")?, of_step(step, "PDY")?], of_step(step, "D").unwrap_or(0.0).abs()))
     }
 
     /// Lines of a direction that a step says by a parallel or by a point beside it.
-    fn lines_along(&self, step: &Step, way: Point) -> Vec<Line> {
+    fn lines_along(&self, step: &PathBlock, way: Point) -> Vec<Line> {
         let beside = |at: Point, apart: f64| {
             let sides = if apart > 0.0 { vec![-apart, apart] } else { vec![0.0] };
             sides.into_iter().map(|side| (along(at, left(way), side), way)).collect()
@@ -88,8 +88,8 @@ impl Walk<'_> {
     }
 
     /// Lines that a following step may be: through its end, beside a line or a point, each along its angle.
-    pub(super) fn lines_behind(&self, step: &Step) -> Vec<Line> {
-        if !matches!(step.shape, Shape::FreeLine { .. }) {
+    pub(super) fn lines_behind(&self, step: &PathBlock) -> Vec<Line> {
+        if !matches!(step.shape, PathBlockKind::FreeLine { .. }) {
             return Vec::new();
         }
         let angle = of_step(step, "AN").map(crate::contour::towards);
@@ -139,8 +139,8 @@ impl Walk<'_> {
     /// Where a circle leaves along a line that touches the next circle, each in its sense.
     pub(super) fn leaves_for_circle(&self, (center, radius, clockwise): (Point, f64, bool)) -> Option<Point> {
         let (line, behind) = (self.ahead.first()?, self.ahead.get(1)?);
-        let is_line = line.shape == (Shape::FreeLine { tangent: true }) && self.end_behind(line).is_none();
-        if !is_line || behind.shape != (Shape::FreeArc { tangent: true }) {
+        let is_line = line.shape == (PathBlockKind::FreeLine { tangent: true }) && self.end_behind(line).is_none();
+        if !is_line || behind.shape != (PathBlockKind::FreeArc { tangent: true }) {
             return None;
         }
         // Centres lie to the left of a line that continues counter-clockwise.
@@ -155,17 +155,17 @@ impl Walk<'_> {
 
     /// The arc of a radius that follows, between the element and the one after it, which is tangential or a line: its
     /// radius and sense.
-    fn arc_between(&self) -> Option<(f64, bool, &Step)> {
+    fn arc_between(&self) -> Option<(f64, bool, &PathBlock)> {
         let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
-        let is_arc = arc.shape == Shape::FreeArc { tangent: true };
+        let is_arc = arc.shape == PathBlockKind::FreeArc { tangent: true };
         let is_open = is_arc && self.center_of(arc).is_none() && self.end_behind(arc).is_none();
         Some((of_step(arc, "R")?.abs(), super::free::sense_of(arc)?, behind)).filter(|_| is_open)
     }
 
     /// The circle of a tangential arc: its centre, radius and sense.
-    fn circle_of(&self, step: &Step) -> Option<(Point, f64, bool)> {
+    fn circle_of(&self, step: &PathBlock) -> Option<(Point, f64, bool)> {
         let circle = (self.center_of(step)?, of_step(step, "R")?.abs(), super::free::sense_of(step)?);
-        (step.shape == Shape::FreeArc { tangent: true }).then_some(circle)
+        (step.shape == PathBlockKind::FreeArc { tangent: true }).then_some(circle)
     }
 
     /// Where a line in a direction ends for an arc of a radius that leads to a circle: the nearer spot first.
@@ -239,7 +239,7 @@ fn on_line((from, way): Line, point: Point, distance: f64) -> Option<Vec<f64>> {
 }
 
 /// Angle of a tangential line after an arc.
-pub(super) fn exit_angle(step: &Step) -> Option<f64> {
+pub(super) fn exit_angle(step: &PathBlock) -> Option<f64> {
     let own = step.seen.iter().find(|word| word.is("AN")).and_then(|word| word.value);
-    own.filter(|_| step.shape == Shape::FreeLine { tangent: true })
+    own.filter(|_| step.shape == PathBlockKind::FreeLine { tangent: true })
 }

@@ -3,25 +3,31 @@
 //! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
 //! circle comes either from `CC` before it or by words of its own block, never by both.
 
-use super::path::{AXES, Position, Shape, Walk, axis};
-use super::words::{LeftBlock, Seen, headed};
+use super::path::{AXES, PathBlockKind, PathBuilder, Position, axis};
+use super::words::{EvaluatedWord, LeftBlock, headed};
 use crate::contour::{self, Point, Tangent, center_by_radius, minus};
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// Direction of a circle: before its words in ISO programs, after them in others.
-    pub(super) fn circle_code(&self, code: &'static str, clockwise: bool) -> (&'static str, Option<Seen>) {
+    pub(super) fn circle_code(&self, code: &'static str, clockwise: bool) -> (&'static str, Option<EvaluatedWord>) {
         match self.step.iso && self.path.mode.is_some() {
             true => (if clockwise { "G2" } else { "G3" }, None),
-            false => (code, Some(Seen::turn(clockwise))),
+            false => (code, Some(EvaluatedWord::turn(clockwise))),
         }
     }
 
     /// An arc of less than a circle by its radius; a negative one takes the longer path.
-    pub(super) fn by_radius(&mut self, to: &Position, radius: f64, clockwise: bool, others: Vec<Seen>) -> LeftBlock {
+    pub(super) fn by_radius(
+        &mut self,
+        to: &Position,
+        radius: f64,
+        clockwise: bool,
+        others: Vec<EvaluatedWord>,
+    ) -> LeftBlock {
         let (code, sign) = self.circle_code("CR", clockwise);
         self.path.restate = true;
         let mut words = self.positions(&self.actual, to);
-        words.push(Seen::made("R", radius));
+        words.push(EvaluatedWord::made("R", radius));
         words.extend(sign);
         headed(code, words.into_iter().chain(others))
     }
@@ -39,16 +45,16 @@ impl Walk<'_> {
     }
 
     /// Centre words of a circle, where the machine does not keep the centre.
-    pub(super) fn center_words(&self, center: Point) -> Vec<Seen> {
+    pub(super) fn center_words(&self, center: Point) -> Vec<EvaluatedWord> {
         if self.keeps_center() {
             return Vec::new();
         }
         let letters = self.path.plane.map(|axis| ["I", "J", "K"].get(axis).copied().unwrap_or("I"));
-        letters.into_iter().zip(center).map(|(letter, value)| Seen::made(letter, value)).collect()
+        letters.into_iter().zip(center).map(|(letter, value)| EvaluatedWord::made(letter, value)).collect()
     }
 
-    pub(super) fn circle(&mut self, shape: Shape) -> Vec<LeftBlock> {
-        if shape == Shape::Arc
+    pub(super) fn circle(&mut self, shape: PathBlockKind) -> Vec<LeftBlock> {
+        if shape == PathBlockKind::Arc
             && let Some(pole) = self.upright_of_circle()
         {
             return self.upright_circle(pole);
@@ -63,7 +69,7 @@ impl Walk<'_> {
         };
         let radius = self.step.seen.iter().find(|word| word.is("R") && !word.is_off()).and_then(|word| word.value);
         let mut centre = Vec::new();
-        let center = if shape == Shape::Arc {
+        let center = if shape == PathBlockKind::Arc {
             let Some(pole) = self.path.poles.flat else {
                 self.path.base = None;
                 self.refuse("the circle has no centre (CC)");
@@ -77,7 +83,7 @@ impl Walk<'_> {
         let base = self.path.base.take();
         let mut lines = Vec::new();
         if own && self.keeps_center() {
-            lines.extend(center.filter(|_| shape == Shape::Arc).map(|pole| self.pole_line(pole)));
+            lines.extend(center.filter(|_| shape == PathBlockKind::Arc).map(|pole| self.pole_line(pole)));
         }
         if let Some(center) = center {
             // After a corner the tool is on the circle already.
@@ -91,7 +97,7 @@ impl Walk<'_> {
                 self.corner_ahead(element, &end)
             };
             self.leave_circle(center, to, clockwise);
-            if shortened.is_some() || base.is_some() && shape == Shape::Radius {
+            if shortened.is_some() || base.is_some() && shape == PathBlockKind::Radius {
                 let mut stop = end;
                 if let Some(corner) = shortened {
                     self.put(&mut stop, corner);
@@ -102,7 +108,7 @@ impl Walk<'_> {
         }
         let by_last = self.step.iso && self.path.mode == Some(5);
         // An end that is not programmed is where the tool is: a full circle.
-        let full = shape == Shape::Arc && !self.step.iso && !self.coded().contains(&true);
+        let full = shape == PathBlockKind::Arc && !self.step.iso && !self.coded().contains(&true);
         let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last || full;
         if !rewritten {
             lines.push(self.verbatim(if own { Vec::new() } else { centre }));
@@ -124,11 +130,11 @@ impl Walk<'_> {
         to: &Position,
         center: Point,
         clockwise: bool,
-        shape: Shape,
+        shape: PathBlockKind,
         radius: Option<f64>,
     ) -> LeftBlock {
         let others = self.others(&["I", "J", "K", "DR", "R"]);
-        if shape == Shape::Arc {
+        if shape == PathBlockKind::Arc {
             let (code, sign) = self.circle_code("C", clockwise);
             self.path.restate = true;
             let mut words = self.positions(&self.actual, to);
@@ -175,12 +181,12 @@ impl Walk<'_> {
 
     pub(super) fn pole_line(&self, pole: Point) -> LeftBlock {
         let letters = self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or("X"));
-        headed("CC", letters.into_iter().zip(pole).map(|(letter, value)| Seen::made(letter, value)))
+        headed("CC", letters.into_iter().zip(pole).map(|(letter, value)| EvaluatedWord::made(letter, value)))
     }
 
     /// The pole that words define. Without a word it stays where it was along that axis; without any it is where the
     /// tool is.
-    pub(super) fn pole_of(&self, seen: &[Seen], start: &Position) -> Option<Point> {
+    pub(super) fn pole_of(&self, seen: &[EvaluatedWord], start: &Position) -> Option<Point> {
         let here = self.flat(start);
         let new = self.flat(&self.target_of(seen, start));
         let said = self.path.plane.map(|at| {

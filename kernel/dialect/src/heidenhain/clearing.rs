@@ -9,19 +9,19 @@
 //! comes nearer to a contour than the radius of the tool with its allowance.
 
 use counterpoint_motion::arc::by_center;
-use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
+use counterpoint_motion::contour::closed::{ClosedContour, Cut, cuts, is_clear, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::reach::{eroded, grown, remaining};
 
 use super::Heidenhain;
-use super::areas::Stage;
-use super::contours::Figure;
+use super::areas::AreaStage;
+use super::contours::AreaBoundary;
 use super::moves::{Along, Moves, RAPID};
-use super::tasks::{Rounding, Task};
-use crate::host::Host;
+use super::tasks::{ContourParameters, Rounding};
+use crate::host::InterpreterHost;
 
 /// Blocks in the making.
-pub(super) struct Blocks {
+pub(super) struct CycleBlockWriter {
     pub(super) moves: Moves,
     letters: [&'static str; 2],
     height: &'static str,
@@ -29,8 +29,8 @@ pub(super) struct Blocks {
     factor: f64,
 }
 
-impl Blocks {
-    pub(super) fn of(own: &Heidenhain, host: &dyn Host) -> Self {
+impl CycleBlockWriter {
+    pub(super) fn of(own: &Heidenhain, host: &dyn InterpreterHost) -> Self {
         Self {
             moves: Moves::default(),
             letters: own.plane_letters(),
@@ -65,14 +65,14 @@ impl Blocks {
     }
 
     /// To a place and down to a level.
-    fn plunge(&mut self, spot: Spot, task: &Task, level: f64) {
+    fn plunge(&mut self, spot: Spot, task: &ContourParameters, level: f64) {
         self.over(spot);
         self.rise_to(task.clear, RAPID);
         self.rise_to(level, task.plunge);
     }
 
     /// Rows of cuts at a level, then once along each path.
-    fn cleared(&mut self, rows: &[Vec<Cut>], ways: &[Closed], task: &Task, level: f64) {
+    fn cleared(&mut self, rows: &[Vec<Cut>], ways: &[ClosedContour], task: &ContourParameters, level: f64) {
         for (start, row) in rows.iter().filter_map(|row| Some((row.first()?.0, row))) {
             self.plunge(start, task, level);
             let mut here = start;
@@ -96,7 +96,7 @@ impl Blocks {
     }
 
     /// A hole in pecks, each from a stop ahead of the last depth.
-    fn drilled(&mut self, at: Spot, task: &Task, levels: &[f64], ahead: f64) {
+    fn drilled(&mut self, at: Spot, task: &ContourParameters, levels: &[f64], ahead: f64) {
         self.over(at);
         self.rise_to(task.clear, RAPID);
         let mut last = None;
@@ -159,21 +159,26 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 
 impl Heidenhain {
     /// Radius of the active tool, in geometry units.
-    pub(super) fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
+    pub(super) fn cutter(&self, host: &dyn InterpreterHost) -> Result<f64, String> {
         let radius = host.tool_in_force()[1];
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
     }
 
     /// Paths beside the figures in the sense of the task: along each of them. Where they leave too little room for
     /// that, the path goes around the whole area that the tool reaches.
-    fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
-        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+    fn ways(
+        &self,
+        figures: &[AreaBoundary],
+        amount: f64,
+        task: &ContourParameters,
+    ) -> Result<Vec<ClosedContour>, String> {
+        let all: Vec<ClosedContour> = figures.iter().map(|figure| figure.outline.clone()).collect();
         let corners = match task.rounding {
             Rounding::Everywhere(radius) if radius > 0.0 => return Self::rounded_ways(&all, amount, radius, task),
             Rounding::Everywhere(_) => 0.0,
             Rounding::Corners(radius) => radius,
         };
-        let round = |ways: Vec<Closed>| ways.iter().map(|way| way.rounded(corners)).collect();
+        let round = |ways: Vec<ClosedContour>| ways.iter().map(|way| way.rounded(corners)).collect();
         let along = figures.iter().map(|figure| {
             // Climb milling runs counter-clockwise in a pocket, clockwise around an island.
             let clockwise = figure.is_pocket != task.climbs;
@@ -189,18 +194,23 @@ impl Heidenhain {
     }
 
     /// Paths that turn with a radius of their own inside of corners.
-    fn rounded_ways(all: &[Closed], amount: f64, radius: f64, task: &Task) -> Result<Vec<Closed>, String> {
+    fn rounded_ways(
+        all: &[ClosedContour],
+        amount: f64,
+        radius: f64,
+        task: &ContourParameters,
+    ) -> Result<Vec<ClosedContour>, String> {
         let narrow = eroded(all, amount + radius);
         Self::rims(narrow.and_then(|narrow| grown(&narrow, radius)), task)
     }
 
     /// Paths around the material left by an earlier tool; none if that tool had no larger radius.
     fn remaining_ways(
-        host: &dyn Host,
-        figures: &[Figure],
+        host: &dyn InterpreterHost,
+        figures: &[AreaBoundary],
         (away, radius): (f64, f64),
-        (tool, task): (u32, &Task),
-    ) -> Result<Vec<Closed>, String> {
+        (tool, task): (u32, &ContourParameters),
+    ) -> Result<Vec<ClosedContour>, String> {
         let earlier = host.tool_size(tool)[1];
         if earlier <= 0.0 {
             return Err(format!("tool {tool}, which has roughed before (Q18, Q438), has no radius"));
@@ -208,7 +218,7 @@ impl Heidenhain {
         if earlier <= radius {
             return Ok(Vec::new());
         }
-        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        let all: Vec<ClosedContour> = figures.iter().map(|figure| figure.outline.clone()).collect();
         let left = remaining(&all, away, radius, earlier).ok_or_else(|| {
             "the contours have too many elements to find what an earlier tool (Q18, Q438) has left".to_owned()
         })?;
@@ -216,13 +226,13 @@ impl Heidenhain {
     }
 
     /// Paths in the sense of the task, from the middle of their longest elements.
-    fn turned_by_sense(rims: &[Closed], task: &Task) -> Vec<Closed> {
-        let way = |way: &Closed| if task.climbs { way.from_longest() } else { way.reversed().from_longest() };
+    fn turned_by_sense(rims: &[ClosedContour], task: &ContourParameters) -> Vec<ClosedContour> {
+        let way = |way: &ClosedContour| if task.climbs { way.from_longest() } else { way.reversed().from_longest() };
         rims.iter().map(way).collect()
     }
 
     /// The rims of the area that a tool reaches, in the sense of the task.
-    fn rims(reached: Option<Vec<Closed>>, task: &Task) -> Result<Vec<Closed>, String> {
+    fn rims(reached: Option<Vec<ClosedContour>>, task: &ContourParameters) -> Result<Vec<ClosedContour>, String> {
         let reached = reached.filter(|reached| !reached.is_empty()).ok_or_else(|| {
             "the tool with its allowance does not fit into the contours, or they have too many elements to find where it does"
                 .to_owned()
@@ -231,12 +241,12 @@ impl Heidenhain {
     }
 
     /// The ground of a stage.
-    fn ground(stage: &Stage, task: &Task) -> f64 {
+    fn ground(stage: &AreaStage, task: &ContourParameters) -> f64 {
         stage.depth.map_or(task.bottom, |depth| task.surface - depth + task.floor)
     }
 
     /// The stages of a task, with where each begins and ends.
-    fn grounds(&self, task: &Task, amount: f64) -> Result<Vec<(Stage, f64, f64)>, String> {
+    fn grounds(&self, task: &ContourParameters, amount: f64) -> Result<Vec<(AreaStage, f64, f64)>, String> {
         let mut top = task.surface;
         let open = task.others.open.then_some(amount);
         let stages = self.stages(task.surface - task.bottom + task.floor, open)?.into_iter().map(|stage| {
@@ -248,13 +258,13 @@ impl Heidenhain {
 
     /// Rows of cuts between paths that keep away from the figures by an amount.
     fn rows(
-        outlines: &[Closed],
-        (figures, amount): (&[Figure], f64),
-        task: &Task,
+        outlines: &[ClosedContour],
+        (figures, amount): (&[AreaBoundary], f64),
+        task: &ContourParameters,
         radius: f64,
     ) -> Result<Vec<Vec<Cut>>, String> {
-        let turned: Vec<Closed> = outlines.iter().map(|way| way.turned(-task.along)).collect();
-        let contours: Vec<Closed> = figures.iter().map(|figure| figure.outline.turned(-task.along)).collect();
+        let turned: Vec<ClosedContour> = outlines.iter().map(|way| way.turned(-task.along)).collect();
+        let contours: Vec<ClosedContour> = figures.iter().map(|figure| figure.outline.turned(-task.along)).collect();
         let rows = cuts(&turned, task.overlap * radius, |link| is_clear(link, &contours, amount));
         let mut rows =
             rows.ok_or_else(|| "the contours of cycle 14 have room for more than 10000 rows of cuts".to_owned())?;
@@ -265,12 +275,17 @@ impl Heidenhain {
     }
 
     /// Cycles 22 and 23, in one go, and 6.
-    pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Moves, String> {
+    pub(super) fn rough_out(
+        &self,
+        host: &dyn InterpreterHost,
+        task: &ContourParameters,
+        at_once: bool,
+    ) -> Result<Moves, String> {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, top, ground) in self.grounds(task, amount)? {
+        for (AreaStage { figures, .. }, top, ground) in self.grounds(task, amount)? {
             let outlines = match task.others.earlier {
                 Some(tool) => Self::remaining_ways(host, &figures, (task.allowance * factor, radius), (tool, task))?,
                 None => self.ways(&figures, amount, task)?,
@@ -286,14 +301,14 @@ impl Heidenhain {
     }
 
     /// Cycles 24 and 16.
-    pub(super) fn finish_sides(&self, host: &dyn Host, task: &Task) -> Result<Moves, String> {
+    pub(super) fn finish_sides(&self, host: &dyn InterpreterHost, task: &ContourParameters) -> Result<Moves, String> {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
         let side = if task.climbs { 1.0 } else { -1.0 };
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, top, ground) in self.grounds(task, amount)? {
-            let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        for (AreaStage { figures, .. }, top, ground) in self.grounds(task, amount)? {
+            let all: Vec<ClosedContour> = figures.iter().map(|figure| figure.outline.clone()).collect();
             // An open boundary has no side.
             let sides = if task.others.open { figures.get(1..).unwrap_or_default() } else { &figures[..] };
             for way in self.ways(sides, amount, task)? {
@@ -323,7 +338,7 @@ impl Heidenhain {
     }
 
     /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or the active one.
-    pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Moves, String> {
+    pub(super) fn drill_pilots(&self, host: &dyn InterpreterHost, task: &ContourParameters) -> Result<Moves, String> {
         let factor = host.length_factor();
         let radius = match task.others.holes {
             Some(tool) => host.tool_size(tool)[1],
@@ -333,9 +348,9 @@ impl Heidenhain {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
         let amount = radius + task.allowance * factor;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, _, ground) in self.grounds(task, amount)? {
+        for (AreaStage { figures, .. }, _, ground) in self.grounds(task, amount)? {
             let outlines = self.ways(&figures, amount, task)?;
             let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
             let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);

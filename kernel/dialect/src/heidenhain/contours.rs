@@ -11,27 +11,27 @@ use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_motion::contour::closed::Closed;
+use counterpoint_motion::contour::closed::ClosedContour;
 use counterpoint_motion::contour::element::Element;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 use super::Heidenhain;
-use super::areas::Area;
+use super::areas::AreaExpression;
 use super::cylinder::Unrolled;
-use super::flow::Kind;
+use super::flow::CalleeKind;
 use super::moves::Moves;
-use super::path::Path;
+use super::path::PathState;
 use super::statement::Label;
-use super::tasks::{Others, Task, Work};
-use super::words::Seen;
-use crate::host::{Call, Host, Place};
+use super::tasks::{ContourParameters, ContourTools, OcmOperation};
+use super::words::EvaluatedWord;
+use crate::host::{InterpreterHost, ProgramPlace, SubprogramCall};
 
 /// Most elements of all contours.
 const MOST: usize = 1000;
 
 /// A contour that has been read.
 #[derive(Debug, Clone)]
-pub(super) struct Contour {
+pub(super) struct SlContour {
     pub(super) elements: Vec<Element>,
     /// The tool goes left of it.
     pub(super) is_left: Option<bool>,
@@ -39,22 +39,22 @@ pub(super) struct Contour {
 
 /// A pocket or an island.
 #[derive(Debug, Clone)]
-pub(super) struct Figure {
-    pub(super) outline: Closed,
+pub(super) struct AreaBoundary {
+    pub(super) outline: ClosedContour,
     pub(super) is_pocket: bool,
 }
 
 /// Place of a contour.
 #[derive(Debug, Clone)]
-pub(super) enum Source {
+pub(super) enum ContourSource {
     Label(FileId, Label),
     Program(String),
 }
 
 /// A subprogram that is a contour.
 #[derive(Debug, Clone)]
-pub(super) struct Named {
-    pub(super) source: Source,
+pub(super) struct ContourSubprogram {
+    pub(super) source: ContourSource,
     /// Pocket or island by CONTOUR DEF; in cycle 14 the side of the contour decides.
     pub(super) is_pocket: Option<bool>,
     /// DEPTH: that of a pocket, or how far an island lies below the surface.
@@ -64,23 +64,23 @@ pub(super) struct Named {
 /// The contours of cycle 14 or CONTOUR DEF.
 #[derive(Debug, Default)]
 pub(super) struct Contours {
-    labels: Vec<Named>,
+    labels: Vec<ContourSubprogram>,
     /// Combination of the contours by SEL CONTOUR.
-    pub(super) formula: Option<Area>,
+    pub(super) formula: Option<AreaExpression>,
     /// Overlapping pockets become their intersection if the first starts in the second.
     pub(super) by_start: bool,
     /// Cycle 270 says how a train begins and ends.
     pub(super) train: bool,
     /// They lie on a cylinder.
     pub(super) unrolled: Option<Unrolled>,
-    read: Vec<Contour>,
+    read: Vec<SlContour>,
     /// While a contour is recorded: the path before it.
-    before: Option<Box<Path>>,
+    before: Option<Box<PathState>>,
 }
 
 impl Contours {
     /// Those that a formula joins.
-    pub(super) fn joined(labels: Vec<Named>, formula: Area) -> Self {
+    pub(super) fn joined(labels: Vec<ContourSubprogram>, formula: AreaExpression) -> Self {
         Self { labels, formula: Some(formula), ..Self::default() }
     }
 
@@ -88,11 +88,11 @@ impl Contours {
     pub(super) fn bytes(&self) -> usize {
         self.read.iter().map(|contour| contour.elements.len() * size_of::<Element>()).sum::<usize>()
             + self.labels.len() * 60
-            + self.formula.as_ref().map_or(0, Area::size) * 60
+            + self.formula.as_ref().map_or(0, AreaExpression::size) * 60
     }
 
     /// Words of a contour that is being read, as it is unrolled from a cylinder.
-    pub(super) fn unroll(&mut self, seen: &mut [Seen]) {
+    pub(super) fn unroll(&mut self, seen: &mut [EvaluatedWord]) {
         if let Some(unrolled) = self.unrolled.as_mut().filter(|_| self.before.is_some()) {
             unrolled.words(seen);
         }
@@ -106,16 +106,17 @@ impl Contours {
 
 impl Heidenhain {
     /// Cycle 14: `CONTOUR LABEL 1 /2 /3`.
-    pub(super) fn name_contours(&mut self, host: &dyn Host, seen: &[Seen]) {
+    pub(super) fn name_contours(&mut self, host: &dyn InterpreterHost, seen: &[EvaluatedWord]) {
         let file = host.place().file;
         let values = seen.iter().filter(|word| word.is("LABEL") || word.is("/")).filter_map(|word| word.value);
-        let of = |value: f64| Source::Label(file, Label::Number(value as u32));
-        let labels = values.map(|value| Named { source: of(value), is_pocket: None, depth: None }).collect();
+        let of = |value: f64| ContourSource::Label(file, Label::Number(value as u32));
+        let labels =
+            values.map(|value| ContourSubprogram { source: of(value), is_pocket: None, depth: None }).collect();
         self.cycles.contours = Contours { labels, by_start: true, ..Contours::default() };
     }
 
     /// CONTOUR DEF: `P1 = LBL 1 I2 = "ISLAND" DEPTH5`; whether it is understood.
-    pub(super) fn define_contours(&mut self, host: &dyn Host, words: &[Seen]) -> bool {
+    pub(super) fn define_contours(&mut self, host: &dyn InterpreterHost, words: &[EvaluatedWord]) -> bool {
         let file = host.place().file;
         let mut labels = Vec::new();
         let mut words = words.iter().filter(|word| !word.reads("=")).peekable();
@@ -128,10 +129,10 @@ impl Heidenhain {
             let Some(named) = words.next() else { return false };
             let text = named.own_text();
             let source = match (text.strip_prefix('"'), named.value) {
-                (Some(program), _) => Source::Program(program.trim_end_matches('"').to_owned()),
-                (None, Some(number)) if named.is("LBL") => Source::Label(file, Label::Number(number as u32)),
-                (None, None) if named.is("LBL") => match words.next().map(Seen::own_text) {
-                    Some(name) => Source::Label(file, Label::Name(name.trim_matches('"').to_owned())),
+                (Some(program), _) => ContourSource::Program(program.trim_end_matches('"').to_owned()),
+                (None, Some(number)) if named.is("LBL") => ContourSource::Label(file, Label::Number(number as u32)),
+                (None, None) if named.is("LBL") => match words.next().map(EvaluatedWord::own_text) {
+                    Some(name) => ContourSource::Label(file, Label::Name(name.trim_matches('"').to_owned())),
                     None => return false,
                 },
                 _ => return false,
@@ -142,14 +143,19 @@ impl Heidenhain {
             }
             // A depth of 0 is that of cycle 20.
             let depth = depth.flatten().map(f64::abs).filter(|depth| *depth > 0.0);
-            labels.push(Named { source, is_pocket: Some(is_pocket), depth });
+            labels.push(ContourSubprogram { source, is_pocket: Some(is_pocket), depth });
         }
         self.cycles.contours = Contours { labels, ..Contours::default() };
         true
     }
 
     /// A statement of the programs of SL cycles.
-    pub(super) fn contour_statement(&mut self, host: &mut dyn Host, what: &str, place: Place) -> Result<Moves, Halt> {
+    pub(super) fn contour_statement(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        what: &str,
+        place: ProgramPlace,
+    ) -> Result<Moves, Halt> {
         let stored = host.files().get(usize::from(place.file)).is_some_and(|name| name.starts_with(StoredFile::ROOT));
         if !stored {
             return Err(self.not_understood(host));
@@ -169,18 +175,24 @@ impl Heidenhain {
         host.work(elements * elements)?;
         let made = match what {
             "ROUGH" => {
-                let others = Others { earlier: self.tool_before(18), ..Others::default() };
-                self.rough_out(host, &Task { others, ..self.task(host, self.sl(4), self.sl(3)) }, false)
+                let others = ContourTools { earlier: self.tool_before(18), ..ContourTools::default() };
+                self.rough_out(host, &ContourParameters { others, ..self.task(host, self.sl(4), self.sl(3)) }, false)
             }
             "FLOOR" => self.rough_out(host, &self.task(host, 0.0, self.sl(3)), true),
             "SIDE" => self.finish_sides(host, &self.task(host, 0.0, self.sl(14))),
             "PILOT" => self.drill_pilots(host, &self.task(host, self.sl(4), self.sl(3))),
             "TRAIN" => self.follow_train(host),
             "TRAIN 276" => self.follow_in_space(host),
-            "OCM ROUGH" => self.adaptive_task(host, Work::Rough).and_then(|task| self.rough_out(host, &task, false)),
-            "OCM FLOOR" => self.adaptive_task(host, Work::Floor).and_then(|task| self.rough_out(host, &task, true)),
-            "OCM SIDE" => self.adaptive_task(host, Work::Side).and_then(|task| self.finish_sides(host, &task)),
-            "OCM CHAMFER" => self.adaptive_task(host, Work::Chamfer).and_then(|task| self.finish_sides(host, &task)),
+            "OCM ROUGH" => {
+                self.adaptive_task(host, OcmOperation::Rough).and_then(|task| self.rough_out(host, &task, false))
+            }
+            "OCM FLOOR" => {
+                self.adaptive_task(host, OcmOperation::Floor).and_then(|task| self.rough_out(host, &task, true))
+            }
+            "OCM SIDE" => self.adaptive_task(host, OcmOperation::Side).and_then(|task| self.finish_sides(host, &task)),
+            "OCM CHAMFER" => {
+                self.adaptive_task(host, OcmOperation::Chamfer).and_then(|task| self.finish_sides(host, &task))
+            }
             "SLOT" => self.mill_slot(host),
             "ENGRAVE" => self.engrave(host),
             "ROUND 27" => self.round_cylinder(host, 27),
@@ -202,17 +214,17 @@ impl Heidenhain {
     }
 
     /// Records the contours one after the other; the block runs again until all are there.
-    fn read_contours(&mut self, host: &mut dyn Host, place: Place) -> Result<(), Halt> {
+    fn read_contours(&mut self, host: &mut dyn InterpreterHost, place: ProgramPlace) -> Result<(), Halt> {
         match self.cycles.contours.before.take() {
             None => self.cycles.contours.read.clear(),
             Some(before) => {
                 let is_left = self.path.side.is_left;
                 self.path = *before;
-                self.cycles.contours.read.push(Contour { elements: host.contour().to_vec(), is_left });
+                self.cycles.contours.read.push(SlContour { elements: host.contour().to_vec(), is_left });
             }
         }
         let contours = &self.cycles.contours;
-        let Some(Named { source, .. }) = contours.labels.get(contours.read.len()).cloned() else {
+        let Some(ContourSubprogram { source, .. }) = contours.labels.get(contours.read.len()).cloned() else {
             if self.cycles.contours.labels.is_empty() {
                 let text = "the cycle has no contour; program cycle 14 before it".to_owned();
                 return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
@@ -220,51 +232,51 @@ impl Heidenhain {
             return Ok(());
         };
         let (name, found, kind) = match source {
-            Source::Label(file, label) => {
+            ContourSource::Label(file, label) => {
                 let Some(line) = self.find_label_in(host, file, &label) else {
                     let text = format!("{label}, a contour of cycle 14, is not in the program");
                     return Err(host.alarm(&diag::JUMP_TARGET, text));
                 };
                 let last = host.source(file).map_or(line, |source| source.lines());
-                (label.to_string(), (file, Range { number: None, first: line, last }), Kind::Label)
+                (label.to_string(), (file, ProgramRange { number: None, first: line, last }), CalleeKind::Label)
             }
-            Source::Program(name) => {
+            ContourSource::Program(name) => {
                 let Some(found) = self.find_program(host, &name, false)? else {
                     let text = format!("contour program '{name}' not found; add it to the job");
                     return Err(host.alarm(&diag::SUBPROGRAM_MISSING, text));
                 };
-                (name, found, Kind::Program)
+                (name, found, CalleeKind::Program)
             }
         };
         self.cycles.contours.before = Some(Box::new(self.path.clone()));
         self.path.side.is_left = None;
         self.calling = Some(kind);
         self.lines.keeping = true;
-        host.read_contour(Call { name: name.into(), place: Some(found), passes: 1, closes: true });
+        host.read_contour(SubprogramCall { name: name.into(), place: Some(found), passes: 1, closes: true });
         host.effect();
         host.go_to(place.line)
     }
 
     /// The contours as pockets and islands.
-    pub(super) fn figures(&self) -> Result<Vec<Figure>, String> {
+    pub(super) fn figures(&self) -> Result<Vec<AreaBoundary>, String> {
         let count = self.cycles.contours.read.iter().map(|contour| contour.elements.len()).sum::<usize>();
         if count > MOST {
             return Err(format!("the contours of cycle 14 have {count} elements, at most {MOST} are possible"));
         }
         let figures = self.cycles.contours.read.iter().enumerate().map(|(at, contour)| {
             let number = at + 1;
-            let outline = Closed::new(contour.elements.clone());
+            let outline = ClosedContour::new(contour.elements.clone());
             let outline = outline.ok_or_else(|| format!("contour {number} of cycle 14 has no element"))?;
             let by_side = contour.is_left.is_none_or(|left| left != outline.is_clockwise());
             let named = self.cycles.contours.labels.get(at).and_then(|named| named.is_pocket);
             let is_pocket = named.unwrap_or(by_side);
-            Ok(Figure { outline, is_pocket })
+            Ok(AreaBoundary { outline, is_pocket })
         });
         figures.collect()
     }
 
     /// The only contour.
-    pub(super) fn only_contour(&self) -> Result<&Contour, String> {
+    pub(super) fn only_contour(&self) -> Result<&SlContour, String> {
         match self.cycles.contours.read.as_slice() {
             [contour] if (1..=MOST).contains(&contour.elements.len()) => Ok(contour),
             [_] => Err(format!("the contour of cycle 14 has no element, or more than {MOST}")),

@@ -9,9 +9,9 @@ use counterpoint_program::syntax::{PLAIN, Syntax};
 static SYNTAX: Syntax = Syntax { needs_interpreter: Some(iso::needs_interpreter), ..PLAIN };
 
 /// TNC controls.
-pub(crate) struct Control;
+pub(crate) struct HeidenhainDialect;
 
-impl Dialect for Control {
+impl Dialect for HeidenhainDialect {
     fn name(&self) -> &'static str {
         "heidenhain"
     }

@@ -4,18 +4,18 @@
 //! whose blocks say where they end, before G2 and G3 of ISO programs only between lines. Invariant: a corner that cannot
 //! be made is left sharp and reported.
 
-use super::path::{Corner, Position, Shape, Walk};
-use super::words::{LeftBlock, Seen};
+use super::path::{PathBlockKind, PathBuilder, PendingCorner, Position};
+use super::words::{EvaluatedWord, LeftBlock};
 use counterpoint_motion::contour::element::Element;
 
-use crate::contour::{self, Point, Polar};
+use crate::contour::{self, Point, PolarPoint};
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// Whether the next block is a corner.
     pub(super) fn corner_follows(&self) -> bool {
         self.ahead.first().is_some_and(|first| match first.shape {
-            Shape::Chamfer | Shape::Round => true,
-            Shape::Iso => is_g(&first.seen, 24.0) || is_g(&first.seen, 25.0),
+            PathBlockKind::Chamfer | PathBlockKind::Round => true,
+            PathBlockKind::Iso => is_g(&first.seen, 24.0) || is_g(&first.seen, 25.0),
             _ => false,
         })
     }
@@ -24,10 +24,10 @@ impl Walk<'_> {
     pub(super) fn corner_ahead(&mut self, own: Element, end: &Position) -> Option<Point> {
         let first = self.ahead.first()?;
         let chamfer = match first.shape {
-            Shape::Chamfer => true,
-            Shape::Round => false,
-            Shape::Iso if is_g(&first.seen, 24.0) => true,
-            Shape::Iso if is_g(&first.seen, 25.0) => false,
+            PathBlockKind::Chamfer => true,
+            PathBlockKind::Round => false,
+            PathBlockKind::Iso if is_g(&first.seen, 24.0) => true,
+            PathBlockKind::Iso if is_g(&first.seen, 25.0) => false,
             _ => return None,
         };
         let size = first
@@ -40,9 +40,9 @@ impl Walk<'_> {
             return None;
         };
         match contour::corner(own, after, chamfer, size) {
-            Ok(contour::Corner { from, to, heading, clockwise }) => {
+            Ok(contour::CornerGeometry { from, to, heading, clockwise }) => {
                 let radius = if chamfer { None } else { Some(size) };
-                self.path.corner = Some(Corner { line: first.line, to, heading, radius, clockwise });
+                self.path.corner = Some(PendingCorner { line: first.line, to, heading, radius, clockwise });
                 Some(from)
             }
             Err(why) => {
@@ -57,7 +57,7 @@ impl Walk<'_> {
         let mut steps = self.ahead.iter().skip(1);
         let mut step = steps.next()?;
         let mut pole = self.path.poles.flat;
-        if step.shape == Shape::Pole {
+        if step.shape == PathBlockKind::Pole {
             pole = self.pole_of(&step.seen, end);
             step = steps.next()?;
         }
@@ -72,38 +72,46 @@ impl Walk<'_> {
             own.or(self.path.clockwise)
         };
         Some(match step.shape {
-            Shape::Line => contour::line(from, to(false)?),
-            Shape::PolarLine => contour::line(from, to(true)?),
-            Shape::Iso if step.seen.iter().all(|word| !is_arc(word)) && self.is_straight_mode(&step.seen) => {
+            PathBlockKind::Line => contour::line(from, to(false)?),
+            PathBlockKind::PolarLine => contour::line(from, to(true)?),
+            PathBlockKind::Iso if step.seen.iter().all(|word| !is_arc(word)) && self.is_straight_mode(&step.seen) => {
                 contour::line(from, to(false)?)
             }
-            Shape::Arc => contour::arc(from, to(false)?, pole?, clockwise()?),
-            Shape::PolarArc => contour::arc(from, to(true)?, pole?, clockwise()?),
-            Shape::Radius => {
+            PathBlockKind::Arc => contour::arc(from, to(false)?, pole?, clockwise()?),
+            PathBlockKind::PolarArc => contour::arc(from, to(true)?, pole?, clockwise()?),
+            PathBlockKind::Radius => {
                 let radius = step.seen.iter().find(|word| word.is("R") && !word.is_off())?.value?;
                 let to = to(false)?;
                 contour::arc(from, to, contour::center_by_radius(from, to, radius, clockwise()?)?, clockwise()?)
             }
             // An element of a free contour that says its end, and of an arc its centre.
-            Shape::FreeLine { .. } => contour::line(from, self.end_behind(step)?),
-            Shape::FreeArc { .. } => contour::arc(from, self.end_behind(step)?, self.center_of(step)?, clockwise()?),
+            PathBlockKind::FreeLine { .. } => contour::line(from, self.end_behind(step)?),
+            PathBlockKind::FreeArc { .. } => {
+                contour::arc(from, self.end_behind(step)?, self.center_of(step)?, clockwise()?)
+            }
             _ => return None,
         })
     }
 
     /// Whether a block without a motion word goes straight on.
-    fn is_straight_mode(&self, seen: &[Seen]) -> bool {
+    fn is_straight_mode(&self, seen: &[EvaluatedWord]) -> bool {
         let own = seen.iter().any(|word| word.is("G") && word.value.is_some_and(|value| value < 2.0));
         own || matches!(self.path.mode, None | Some(0 | 1 | 7 | 10 | 11))
     }
 
     /// End of another block in the plane.
-    pub(super) fn end_of(&self, seen: &[Seen], start: &Position, pole: Option<Point>, polar: bool) -> Option<Point> {
+    pub(super) fn end_of(
+        &self,
+        seen: &[EvaluatedWord],
+        start: &Position,
+        pole: Option<Point>,
+        polar: bool,
+    ) -> Option<Point> {
         if !polar {
             return Some(self.flat(&self.target_of(seen, start)));
         }
         let pole = pole?;
-        let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(start));
+        let PolarPoint { mut radius, mut angle } = PolarPoint::of(pole, self.flat(start));
         for word in seen {
             match (&*word.name, word.value) {
                 ("PR", Some(value)) => radius = value,
@@ -113,11 +121,11 @@ impl Walk<'_> {
                 _ => {}
             }
         }
-        Some(Polar { radius, angle }.point(pole))
+        Some(PolarPoint { radius, angle }.point(pole))
     }
 
     /// A corner, for which the line before has made room.
-    pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<LeftBlock> {
+    pub(super) fn corner(&mut self, corner: Option<PendingCorner>) -> Vec<LeftBlock> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
             self.refuse(match self.path.heading {
                 None => "a corner needs an element before it",
@@ -137,10 +145,10 @@ impl Walk<'_> {
     }
 }
 
-fn is_g(seen: &[Seen], number: f64) -> bool {
+fn is_g(seen: &[EvaluatedWord], number: f64) -> bool {
     seen.iter().any(|word| word.is("G") && word.value == Some(number))
 }
 
-fn is_arc(word: &Seen) -> bool {
+fn is_arc(word: &EvaluatedWord) -> bool {
     word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 2 | 3 | 5 | 6 | 12 | 13 | 15 | 16))
 }

@@ -13,23 +13,23 @@ use super::contours::Contours;
 use super::drilling::HoleWords;
 use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes_of_cycle;
-use super::formula::{Kind, Name, Wrong, expected};
-use super::lex::Cursor;
+use super::formula::{FormulaError, ParameterKind, QParameter, expected};
+use super::lex::HeidenhainCursor;
 use super::moves::RAPID;
 use super::old;
-use super::patterns::Pattern;
-use super::statement::Statement;
-use super::variables::Value;
-use super::words::{LeftBlock, Operand, Seen, Word, words};
-use super::{Heidenhain, Line};
-use crate::host::{Host, Place};
+use super::patterns::PointPattern;
+use super::statement::HeidenhainStatement;
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand, words};
+use super::{Heidenhain, HeidenhainLine};
+use crate::host::{InterpreterHost, ProgramPlace};
 use crate::words::part;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Behind `CYCL DEF`.
-pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+pub(super) fn read(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let Some((number, _)) = cursor.number() else { return Err(expected(cursor, "the number of the cycle")) };
     // Some programs have a blank before the number of the part: `CYCL DEF 9 .0`.
     let before = cursor.clone();
@@ -44,7 +44,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
         Some((cycle, part)) => (cycle, Some(part)),
         None => (&*number, None),
     };
-    let whole = |digits: &str, cursor: &Cursor<'_>| -> Result<u32, Wrong> {
+    let whole = |digits: &str, cursor: &HeidenhainCursor<'_>| -> Result<u32, FormulaError> {
         digits.parse().map_err(|_| expected(cursor, "the number of the cycle"))
     };
     let cycle = whole(cycle, cursor)?;
@@ -53,19 +53,21 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             // Behind the title, the parameters.
             let all = words(cursor);
             let first = all.iter().position(is_parameter).unwrap_or(all.len());
-            Ok(Statement::CycleDefinition(std::iter::once(head(cycle)).chain(all.into_iter().skip(first)).collect()))
+            Ok(HeidenhainStatement::CycleDefinition(
+                std::iter::once(head(cycle)).chain(all.into_iter().skip(first)).collect(),
+            ))
         }
         Some(part) => {
             let part = whole(part, cursor)?;
             let text = cursor.rest().trim().to_owned();
-            Ok(Statement::CyclePart { cycle, part, words: words(cursor), text })
+            Ok(HeidenhainStatement::CyclePart { cycle, part, words: words(cursor), text })
         }
     }
 }
 
 /// `CYCL DEF` with the number.
-pub(super) fn head(cycle: u32) -> Word {
-    Word::made("CYCL DEF ", Operand::Number(cycle.to_string().into(), f64::from(cycle)))
+pub(super) fn head(cycle: u32) -> HeidenhainWord {
+    HeidenhainWord::made("CYCL DEF ", Operand::Number(cycle.to_string().into(), f64::from(cycle)))
 }
 
 /// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of
@@ -73,19 +75,19 @@ pub(super) fn head(cycle: u32) -> Word {
 const VALUES: [(u32, &str); 2] = [(9, "DWELL"), (13, "ANGLE")];
 
 /// Gives the value of a cycle, which is at the end, its name.
-fn named(seen: &mut Vec<Seen>, name: &str) {
+fn named(seen: &mut Vec<EvaluatedWord>, name: &str) {
     if let Some(value) = seen.iter().skip(1).rev().find_map(|word| word.value) {
         seen.truncate(1);
-        seen.push(Seen::made(name, value));
+        seen.push(EvaluatedWord::made(name, value));
     }
 }
 
-fn is_parameter(word: &Word) -> bool {
+fn is_parameter(word: &HeidenhainWord) -> bool {
     word.name.starts_with('Q') && word.name.ends_with('=')
 }
 
 /// The text of a block that has been read.
-fn text_of(host: &dyn Host, (file, at): (FileId, u32), line: &Line) -> String {
+fn text_of(host: &dyn InterpreterHost, (file, at): (FileId, u32), line: &HeidenhainLine) -> String {
     match &line.joined {
         Some(joined) => joined.to_string(),
         None => host.source(file).map_or_else(String::new, |source| part(source.line(at), line.place).into_owned()),
@@ -93,15 +95,15 @@ fn text_of(host: &dyn Host, (file, at): (FileId, u32), line: &Line) -> String {
 }
 
 /// Parameters of a cycle alone: several, each with its value.
-pub(super) fn parameters(mut cursor: Cursor<'_>) -> Option<Vec<Word>> {
+pub(super) fn parameters(mut cursor: HeidenhainCursor<'_>) -> Option<Vec<HeidenhainWord>> {
     let all = words(&mut cursor);
-    let is = |word: &Word| is_parameter(word) && !matches!(word.operand, Operand::None | Operand::Sign(_));
+    let is = |word: &HeidenhainWord| is_parameter(word) && !matches!(word.operand, Operand::None | Operand::Sign(_));
     (all.len() > 1 && all.iter().all(is)).then_some(all)
 }
 
 /// The parameter that a word of a cycle sets.
-pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
-    super::formula::parameter(&mut Cursor::new(name.strip_suffix('=')?))
+pub(super) fn parameter_of(name: &str) -> Option<super::formula::QParameter> {
+    super::formula::parameter(&mut HeidenhainCursor::new(name.strip_suffix('=')?))
 }
 
 /// Cycles that act where they are defined.
@@ -135,7 +137,7 @@ const APPENDED: [(u32, &[(u32, f64)]); 22] = [
 
 /// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF the value of GLOBAL
 /// DEF.
-fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&Seen>, global: &[(Name, f64)]) {
+fn with_words(seen: &mut Vec<EvaluatedWord>, tool_feed: Option<&EvaluatedWord>, global: &[(QParameter, f64)]) {
     let feed = tool_feed.and_then(|feed| feed.value);
     let mut at = 0;
     while at + 1 < seen.len() {
@@ -153,7 +155,7 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&Seen>, global: &[(Name, f
             && word.value.is_none()
             && parameter_of(&word.name).is_some()
         {
-            *word = Seen::made(&word.name, value);
+            *word = EvaluatedWord::made(&word.name, value);
             seen.remove(at + 1);
         }
         at += 1;
@@ -161,14 +163,14 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&Seen>, global: &[(Name, f
 }
 
 /// Gives the text parameters of a definition their texts.
-fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(), Halt> {
-    let is_text = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name.kind == Kind::Text);
+fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<EvaluatedWord>) -> Result<(), Halt> {
+    let is_text = |word: &EvaluatedWord| parameter_of(&word.name).is_some_and(|name| name.kind == ParameterKind::Text);
     while let Some(at) = seen.iter().position(|word| is_text(word) && word.value.is_none())
-        && let Some(quoted) = seen.get(at + 1).map(Seen::own_text)
+        && let Some(quoted) = seen.get(at + 1).map(EvaluatedWord::own_text)
         && let Some(text) = quoted.strip_prefix('"').and_then(|text| text.strip_suffix('"'))
         && let Some(name) = seen.get(at).and_then(|word| parameter_of(&word.name))
     {
-        evaluator.assign(name, Value::Text(text.into()))?;
+        evaluator.assign(name, ParameterValue::Text(text.into()))?;
         seen.drain(at..at + 2);
     }
     Ok(())
@@ -176,7 +178,7 @@ fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(),
 
 /// The cycle that a call executes, if that is a program.
 #[derive(Debug, Clone, Default)]
-pub(super) struct State {
+pub(super) struct DefinedCycle {
     pub(super) program: Option<Arc<str>>,
     /// The program is one of the control, not of the job.
     pub(super) stored: bool,
@@ -187,34 +189,34 @@ pub(super) struct State {
 }
 
 /// The place of a program, if there is one.
-type FoundProgram = Option<(FileId, Range)>;
+type FoundProgram = Option<(FileId, ProgramRange)>;
 
 /// The program of a running cycle.
 #[derive(Debug, Default)]
-pub(super) struct Running {
+pub(super) struct RunningCycle {
     /// Programs and labels that run with it, 0 for none.
     pub(super) depth: usize,
     /// Feed of the program that has called it.
-    pub(super) feed: Option<Seen>,
+    pub(super) feed: Option<EvaluatedWord>,
     /// The main program counts in inches.
     pub(super) main_in_inches: bool,
     /// Parameters that the call has changed, with their previous values.
-    pub(super) changed: Vec<(Name, f64)>,
+    pub(super) changed: Vec<(QParameter, f64)>,
 }
 
 /// The cycle of a program.
 #[derive(Debug, Default)]
-pub(super) struct Cycles {
-    pub(super) defined: State,
-    pub(super) running: Running,
+pub(super) struct HeidenhainCycles {
+    pub(super) defined: DefinedCycle,
+    pub(super) running: RunningCycle,
     /// The values of the last definition of an old cycle.
     pub(super) old: old::Data,
     /// Parameters of GLOBAL DEF, for definitions that say PREDEF.
-    pub(super) global: Vec<(Name, f64)>,
+    pub(super) global: Vec<(QParameter, f64)>,
     /// Contours of the last cycle 14.
     pub(super) contours: Contours,
     /// Points of the last PATTERN DEF.
-    pub(super) pattern: Pattern,
+    pub(super) pattern: PointPattern,
     /// Words of the machine for holes, once they have been looked up.
     pub(super) holes: Option<HoleWords>,
 }
@@ -223,9 +225,9 @@ impl Heidenhain {
     /// A cycle with its parameters.
     pub(super) fn define_cycle(
         &mut self,
-        host: &mut dyn Host,
-        words: &[Word],
-        place: Place,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
@@ -243,7 +245,7 @@ impl Heidenhain {
         }
         for word in &seen {
             if let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) {
-                evaluator.assign(name, Value::Number(value))?;
+                evaluator.assign(name, ParameterValue::Number(value))?;
             }
         }
         let appended = APPENDED.iter().filter(|(cycle, _)| *cycle == number).flat_map(|(_, appended)| *appended);
@@ -251,9 +253,11 @@ impl Heidenhain {
         for &(index, value) in appended {
             // The path off the wall is a length of its own, 0.2 mm.
             let value = if (number, index) == (202, 357) { value / inches } else { value };
-            let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
+            let is = |word: &EvaluatedWord| {
+                parameter_of(&word.name).is_some_and(|name| name == QParameter { kind: ParameterKind::Q, index })
+            };
             if !seen.iter().any(is) {
-                evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;
+                evaluator.assign(QParameter { kind: ParameterKind::Q, index }, ParameterValue::Number(value))?;
             }
         }
         if matches!(number, 220 | 221) && self.settings.cycles.contains(&number) {
@@ -265,15 +269,17 @@ impl Heidenhain {
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
-            self.cycles.defined = State { program: Some(number.to_string().into()), stored: true, ..State::default() };
+            self.cycles.defined =
+                DefinedCycle { program: Some(number.to_string().into()), stored: true, ..DefinedCycle::default() };
             return Ok(Vec::new());
         }
         if !ACT_AT_ONCE.contains(&number) {
-            self.cycles.defined = State::default();
+            self.cycles.defined = DefinedCycle::default();
         }
         let keeps = self.settings.keeps;
-        let stays =
-            |word: &Seen| parameter_of(&word.name).is_none() || keeps.unwrap_or_else(|| host.is_register(&word.name));
+        let stays = |word: &EvaluatedWord| {
+            parameter_of(&word.name).is_none() || keeps.unwrap_or_else(|| host.is_register(&word.name))
+        };
         before.push(seen.into_iter().filter(stays).collect());
         Ok(before)
     }
@@ -281,16 +287,18 @@ impl Heidenhain {
     /// A cycle of several lines: those that follow belong to it.
     pub(super) fn define_by_parts(
         &mut self,
-        host: &mut dyn Host,
-        line: &Line,
-        place: Place,
+        host: &mut dyn InterpreterHost,
+        line: &HeidenhainLine,
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
-        let Statement::CyclePart { cycle, part, words, text } = &line.statement else { return Ok(Vec::new()) };
+        let HeidenhainStatement::CyclePart { cycle, part, words, text } = &line.statement else {
+            return Ok(Vec::new());
+        };
         let mut all = vec![head(*cycle)];
         let mut program = None;
         let mut lines = Vec::new();
         let mut source = String::new();
-        let mut add = |part: u32, words: &[Word], text: &str, before: usize| {
+        let mut add = |part: u32, words: &[HeidenhainWord], text: &str, before: usize| {
             if part > 0 {
                 lines.push((part, all.len()));
                 all.extend(words.iter().map(|word| word.further(before)));
@@ -302,7 +310,7 @@ impl Heidenhain {
         while place.as_read && next <= place.range.last {
             let Ok(more) = self.line(host, next) else { break };
             match &more.statement {
-                Statement::CyclePart { cycle: same, part, words, text } if same == cycle && *part > 0 => {
+                HeidenhainStatement::CyclePart { cycle: same, part, words, text } if same == cycle && *part > 0 => {
                     if source.is_empty() {
                         source = text_of(host, (place.file, place.line), line);
                     }
@@ -310,7 +318,7 @@ impl Heidenhain {
                     add(*part, words, text, source.len());
                     source.push_str(&text_of(host, (place.file, next), &more));
                 }
-                Statement::Nothing => {}
+                HeidenhainStatement::Nothing => {}
                 _ => break,
             }
             next = more.next;
@@ -324,18 +332,18 @@ impl Heidenhain {
                 let text = format!("cycle 12 names no program in '{}'", host.block_text());
                 return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             };
-            let name = match super::formula::parameter(&mut Cursor::new(&program)) {
+            let name = match super::formula::parameter(&mut HeidenhainCursor::new(&program)) {
                 Some(name) => match Evaluator::new(&mut self.variables, host).value_or_kept(name)? {
-                    Some(Value::Text(text)) => text,
+                    Some(ParameterValue::Text(text)) => text,
                     _ => program.as_str().into(),
                 },
                 None => program.trim_matches('"').into(),
             };
-            self.cycles.defined = State { program: Some(name), ..State::default() };
+            self.cycles.defined = DefinedCycle { program: Some(name), ..DefinedCycle::default() };
             return Ok(Vec::new());
         }
         if !ACT_AT_ONCE.contains(cycle) {
-            self.cycles.defined = State::default();
+            self.cycles.defined = DefinedCycle::default();
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         if *cycle == 7
@@ -373,13 +381,18 @@ impl Heidenhain {
     }
 
     /// A cycle of several lines that is a program, with the values of its lines.
-    pub(super) fn define_old<'s>(&mut self, cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>) {
+    pub(super) fn define_old<'s>(&mut self, cycle: u32, lines: impl Iterator<Item = (u32, &'s [EvaluatedWord])>) {
         self.cycles.old = old::data(cycle, lines, self.path.plane);
-        self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, ..State::default() };
+        self.cycles.defined =
+            DefinedCycle { program: Some(cycle.to_string().into()), stored: true, ..DefinedCycle::default() };
     }
 
     /// GLOBAL DEF: sets the values of PREDEF in later definitions.
-    pub(super) fn define_globally(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
+    pub(super) fn define_globally(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<(), Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         with_words(&mut seen, self.path.rates.of_tool.as_ref(), &[]);
         for word in seen {

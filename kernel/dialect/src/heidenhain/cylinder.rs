@@ -7,17 +7,17 @@
 //! the rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of
 //! the cylinder is the zero of the plane and of the tool axis.
 
-use counterpoint_motion::arc::{Arc, by_center};
-use counterpoint_motion::contour::closed::{Closed, is_clear};
+use counterpoint_motion::arc::{PlaneArc, by_center};
+use counterpoint_motion::contour::closed::{ClosedContour, is_clear};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels, within_reason};
+use super::clearing::{CycleBlockWriter, levels, within_reason};
 use super::moves::{Along, Moves, RAPID};
 use super::path::{AXES, actual};
-use super::words::Seen;
-use crate::host::Host;
+use super::words::EvaluatedWord;
+use crate::host::InterpreterHost;
 
 /// How far a chord may lie off its arc, millimetres.
 const CHORD: f64 = 0.005;
@@ -48,13 +48,13 @@ type Stand = (Spot, Spot);
 
 /// A move of the tool and the table.
 #[derive(Debug, Clone)]
-enum Move {
+enum CylinderMove {
     To(Stand),
     /// The table is above a point, the tool goes around beside it.
     Arc(Spot, Element),
 }
 
-impl Move {
+impl CylinderMove {
     fn start(&self) -> Stand {
         match self {
             Self::To(stand) => *stand,
@@ -65,9 +65,9 @@ impl Move {
 
 impl Unrolled {
     /// Words of a contour as they are unrolled: X is the way round, Y lies along the axis.
-    pub(super) fn words(&mut self, seen: &mut [Seen]) {
+    pub(super) fn words(&mut self, seen: &mut [EvaluatedWord]) {
         let bare = |name: &str| name.strip_prefix('I').filter(|rest| !rest.is_empty()).unwrap_or(name).to_owned();
-        let is = |word: &Seen, letter: &str| word.value.is_some() && bare(&word.name) == letter;
+        let is = |word: &EvaluatedWord, letter: &str| word.value.is_some() && bare(&word.name) == letter;
         if self.by_name.is_none() && seen.iter().any(|word| is(word, "X") || is(word, "Y") || is(word, self.rotary)) {
             self.by_name = Some(seen.iter().any(|word| is(word, self.rotary)));
         }
@@ -90,7 +90,7 @@ impl Unrolled {
                 value *= self.scale;
             }
             if name != *word.name || Some(value) != word.value {
-                *word = Seen::made(&name, value);
+                *word = EvaluatedWord::made(&name, value);
             }
         }
     }
@@ -132,23 +132,24 @@ fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
 
 /// The tool beside the middle of a path: the table is at the middle, the tool beside it. `share` is the radius of the
 /// contact as a part of that of the surface.
-fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Move> {
+fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<CylinderMove> {
     let of = |(spot, heading): (Spot, Spot)| {
         let foot = plus(spot, left(heading), -side * amount);
         let contact = left([heading[0] * share, heading[1]]);
         let size = distance(contact, [0.0; 2]);
-        Move::To((foot, plus([0.0; 2], contact, side * amount / size)))
+        CylinderMove::To((foot, plus([0.0; 2], contact, side * amount / size)))
     };
     let mut moves = Vec::new();
     for element in way {
         // Round a corner of the middle.
         let corner = element.arc.filter(|arc| share == 1.0 && (arc.radius - amount).abs() < 1e-7);
-        let stands = |arc: &Arc| distance(plus(element.from, left(element.start()), -side * amount), arc.center) < 1e-6;
+        let stands =
+            |arc: &PlaneArc| distance(plus(element.from, left(element.start()), -side * amount), arc.center) < 1e-6;
         match corner.filter(stands) {
             Some(arc) => {
                 let [from, to] = [element.from, element.to].map(|spot| plus(spot, arc.center, -1.0));
                 let beside = by_center(from, to, [0.0; 2], arc.sweep < 0.0).ok();
-                moves.push(Move::Arc(arc.center, Element { from, to, arc: beside }));
+                moves.push(CylinderMove::Arc(arc.center, Element { from, to, arc: beside }));
             }
             None => moves.extend(sampled(element, amount).into_iter().map(of)),
         }
@@ -157,30 +158,30 @@ fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Mov
 }
 
 /// The tool on a path, the table turned to each spot of it.
-fn on_way(way: &[Element]) -> Vec<Move> {
-    way.iter().flat_map(|element| sampled(element, 0.0)).map(|(spot, _)| Move::To((spot, [0.0; 2]))).collect()
+fn on_way(way: &[Element]) -> Vec<CylinderMove> {
+    way.iter().flat_map(|element| sampled(element, 0.0)).map(|(spot, _)| CylinderMove::To((spot, [0.0; 2]))).collect()
 }
 
 /// Half a circle from a point beside a path onto it, or off it; the table does not move.
-fn half_circle(foot: Spot, heading: Spot, side: f64, [near, far]: [f64; 2], arrives: bool) -> Move {
+fn half_circle(foot: Spot, heading: Spot, side: f64, [near, far]: [f64; 2], arrives: bool) -> CylinderMove {
     let (near, far) = (plus([0.0; 2], left(heading), side * near), plus([0.0; 2], left(heading), side * far));
     let center = plus(near, plus(far, near, -1.0), 0.5);
     let (from, to) = if arrives { (far, near) } else { (near, far) };
     // It ends and begins in the direction of the path.
     let clockwise = side < 0.0;
-    Move::Arc(foot, Element { from, to, arc: by_center(from, to, center, clockwise).ok() })
+    CylinderMove::Arc(foot, Element { from, to, arc: by_center(from, to, center, clockwise).ok() })
 }
 
 /// Half a turn about the end of a path, from one side of it to the other; the table does not move.
-fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> Move {
+fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> CylinderMove {
     let from = plus([0.0; 2], left(heading), side * amount);
     let to = from.map(|part| -part);
-    Move::Arc(foot, Element { from, to, arc: by_center(from, to, [0.0; 2], side > 0.0).ok() })
+    CylinderMove::Arc(foot, Element { from, to, arc: by_center(from, to, [0.0; 2], side > 0.0).ok() })
 }
 
 /// Blocks around a cylinder.
-struct Round<'a> {
-    blocks: Blocks,
+struct CylinderBlockWriter<'a> {
+    blocks: CycleBlockWriter,
     unrolled: &'a Unrolled,
     /// Way of a degree of the table on the surface, and a unit of the program, geometry units.
     degree: f64,
@@ -188,7 +189,7 @@ struct Round<'a> {
     stands: Stand,
 }
 
-impl Round<'_> {
+impl CylinderBlockWriter<'_> {
     fn at(&self, (foot, by): Stand) -> [Along; 2] {
         let &Unrolled { along, across, sense, round, .. } = self.unrolled;
         [(along, sense * (foot[1] + by[1]) / self.unit), (across, round * by[0] / self.unit)]
@@ -200,14 +201,14 @@ impl Round<'_> {
         self.stands = stand;
     }
 
-    fn follow(&mut self, moves: &[Move], feed: f64) {
+    fn follow(&mut self, moves: &[CylinderMove], feed: f64) {
         for one in moves {
             let (foot, by) = self.stands;
             let to = one.start();
             if distance(foot, to.0) > 1e-7 || distance(by, to.1) > 1e-7 {
                 self.go(to, feed);
             }
-            if let Move::Arc(foot, Element { to, arc: Some(arc), .. }) = one {
+            if let CylinderMove::Arc(foot, Element { to, arc: Some(arc), .. }) = one {
                 // The axes along and across have the same relation to each other as on the surface.
                 let (center, to) = (self.at((*foot, arc.center)), (*foot, *to));
                 let end = self.at(to);
@@ -219,13 +220,13 @@ impl Round<'_> {
 }
 
 /// The path of a cycle at each level from its plunge point, and its continuation.
-struct Passes {
+struct CylinderPasses {
     start: Stand,
-    ways: Vec<Move>,
+    ways: Vec<CylinderMove>,
     /// The tool rises between levels.
     rises: bool,
     /// Moves that follow at the last level.
-    again: Vec<Move>,
+    again: Vec<CylinderMove>,
 }
 
 impl Heidenhain {
@@ -233,7 +234,7 @@ impl Heidenhain {
     ///
     /// # Errors
     /// The machine has no table that is perpendicular to the tool.
-    pub(super) fn unroll(&mut self, host: &dyn Host) -> Result<(), String> {
+    pub(super) fn unroll(&mut self, host: &dyn InterpreterHost) -> Result<(), String> {
         if self.shifts.mirror_bits() != 0 || (0..3).any(|axis| self.shifts.factor(axis) != Some(1.0)) {
             return Err("a cylinder that is mirrored or scaled (cycles 8, 11, 26) is not emulated".to_owned());
         }
@@ -265,7 +266,7 @@ impl Heidenhain {
     }
 
     /// The blocks of a cylinder cycle.
-    pub(super) fn round_cylinder(&self, host: &dyn Host, cycle: u32) -> Result<Moves, String> {
+    pub(super) fn round_cylinder(&self, host: &dyn InterpreterHost, cycle: u32) -> Result<Moves, String> {
         let Some(unrolled) = &self.cycles.contours.unrolled else {
             return Err("the contour is not unrolled".to_owned());
         };
@@ -293,7 +294,7 @@ impl Heidenhain {
         };
         let all = levels(surface, surface + depth, self.sl(10));
         within_reason(passes.ways.len() + passes.again.len(), all.len())?;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         let height = self.variables.control.tool_axis.unwrap_or(2);
         let before = actual(host).get(height).copied().unwrap_or(0.0);
         let clear = surface + self.sl(6);
@@ -301,7 +302,8 @@ impl Heidenhain {
             blocks.rise_to(clear, RAPID);
         }
         let (feed, plunge) = (self.sl(12), self.sl(11));
-        let mut round = Round { blocks, unrolled, degree: surface.to_radians() * unit, unit, stands: passes.start };
+        let mut round =
+            CylinderBlockWriter { blocks, unrolled, degree: surface.to_radians() * unit, unit, stands: passes.start };
         round.go(passes.start, RAPID);
         round.blocks.rise_to(clear, RAPID);
         if !self.units.rotary_length {
@@ -324,7 +326,7 @@ impl Heidenhain {
     }
 
     /// Cycle 27.
-    fn turned_along(way: &[Element], is_left: Option<bool>, amount: f64) -> Result<Passes, String> {
+    fn turned_along(way: &[Element], is_left: Option<bool>, amount: f64) -> Result<CylinderPasses, String> {
         let too_small = || "the tool with its allowance does not fit into the contour of the cylinder".to_owned();
         let side = is_left.map(|left| if left { 1.0 } else { -1.0 });
         let beside = match (side, way.first().zip(way.last())) {
@@ -332,13 +334,13 @@ impl Heidenhain {
             (Some(side), Some((first, last))) => {
                 let closes = distance(first.from, last.to) < 1e-3;
                 let is_smooth = distance(first.start(), last.end()) < 1e-6;
-                let closed = Closed::new(way.to_vec()).filter(|_| closes && !is_smooth);
+                let closed = ClosedContour::new(way.to_vec()).filter(|_| closes && !is_smooth);
                 let beside = match closed {
                     Some(closed) => closed.beside(side, amount).map(|way| way.elements().to_vec()),
                     None => rounded(way, side, amount),
                 };
                 let beside = beside.ok_or_else(too_small)?;
-                let contour = Closed::open(way.to_vec());
+                let contour = ClosedContour::open(way.to_vec());
                 if beside.iter().any(|element| !is_clear(element, std::slice::from_ref(&contour), amount)) {
                     return Err(too_small());
                 }
@@ -348,7 +350,7 @@ impl Heidenhain {
         };
         let ways = on_way(&beside);
         let start = ways.first().ok_or_else(too_small)?.start();
-        Ok(Passes { start, ways, rises: true, again: Vec::new() })
+        Ok(CylinderPasses { start, ways, rises: true, again: Vec::new() })
     }
 
     /// Cycle 28: one wall forward along the middle, the other wall back.
@@ -359,7 +361,7 @@ impl Heidenhain {
         (cutter, allowance): (f64, f64),
         ground: f64,
         unit: f64,
-    ) -> Result<Passes, String> {
+    ) -> Result<CylinderPasses, String> {
         let amount = self.sl(20) * unit / 2.0 - cutter - allowance;
         if amount < -1e-6 {
             return Err("the tool with its allowance does not fit into the slot Q20".to_owned());
@@ -367,12 +369,12 @@ impl Heidenhain {
         let amount = amount.max(0.0);
         // The wall lies to the right of a tool that climbs.
         let side = if is_left == Some(false) { 1.0 } else { -1.0 };
-        let walls = |share: f64| -> Result<Vec<Move>, String> {
+        let walls = |share: f64| -> Result<Vec<CylinderMove>, String> {
             let fits = |way: Option<Vec<Element>>| {
                 way.ok_or_else(|| "the slot Q20 has no room beside the way of its middle".to_owned())
             };
             let there = if amount > 0.0 { fits(rounded(way, side, amount))? } else { way.to_vec() };
-            let middle_back = Closed::open(way.to_vec()).reversed();
+            let middle_back = ClosedContour::open(way.to_vec()).reversed();
             let back = match amount > 0.0 {
                 true => fits(rounded(middle_back.elements(), side, amount))?,
                 false => middle_back.elements().to_vec(),
@@ -389,7 +391,7 @@ impl Heidenhain {
             let all = self.passes(way, amount, ground, unit);
             again.extend(walls(1.0 - (1.0 - ground) * f64::from(pass) / f64::from(all))?);
         }
-        Ok(Passes { start, ways, rises: false, again })
+        Ok(CylinderPasses { start, ways, rises: false, again })
     }
 
     /// Passes that bring both walls within Q21 of the walls cut by a tool as wide as the slot. At each depth such a
@@ -411,14 +413,14 @@ impl Heidenhain {
     }
 
     /// Cycle 29: around the ridge, from beside its first point.
-    fn ridge(way: &[Element], is_left: Option<bool>, [near, far]: [f64; 2]) -> Result<Passes, String> {
+    fn ridge(way: &[Element], is_left: Option<bool>, [near, far]: [f64; 2]) -> Result<CylinderPasses, String> {
         let side = if is_left == Some(false) { -1.0 } else { 1.0 };
         let fits = |way: Option<Vec<Element>>| way.ok_or_else(|| "the way round the ridge does not fit".to_owned());
         let (Some(first), Some(last)) = (way.first(), way.last()) else {
             return Err("the ridge has no middle".to_owned());
         };
         let there = fits(rounded(way, side, near))?;
-        let back = fits(rounded(Closed::open(way.to_vec()).reversed().elements(), side, near))?;
+        let back = fits(rounded(ClosedContour::open(way.to_vec()).reversed().elements(), side, near))?;
         let far = far.max(near + 1e-3);
         let mut ways = vec![half_circle(first.from, first.start(), side, [near, far], true)];
         ways.extend(beside_middle(&there, side, near, 1.0));
@@ -427,11 +429,11 @@ impl Heidenhain {
         ways.push(round_the_end(first.from, first.start().map(|part| -part), side, near));
         ways.push(half_circle(first.from, first.start(), side, [near, far], false));
         let start = (first.from, plus([0.0; 2], left(first.start()), side * far));
-        Ok(Passes { start, ways, rises: false, again: Vec::new() })
+        Ok(CylinderPasses { start, ways, rises: false, again: Vec::new() })
     }
 
     /// Cycle 39: along the contour, from beside its first point.
-    fn wall(way: &[Element], is_left: Option<bool>, [near, far]: [f64; 2]) -> Result<Passes, String> {
+    fn wall(way: &[Element], is_left: Option<bool>, [near, far]: [f64; 2]) -> Result<CylinderPasses, String> {
         let (Some(first), Some(last)) = (way.first(), way.last()) else {
             return Err("the contour has no element".to_owned());
         };
@@ -446,6 +448,6 @@ impl Heidenhain {
         ways.extend(beside_middle(&along, side, near, 1.0));
         ways.push(half_circle(last.to, last.end(), side, [near, far], false));
         let start = (first.from, plus([0.0; 2], left(first.start()), side * far));
-        Ok(Passes { start, ways, rises: true, again: Vec::new() })
+        Ok(CylinderPasses { start, ways, rises: true, again: Vec::new() })
     }
 }

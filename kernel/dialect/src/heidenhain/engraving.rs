@@ -13,15 +13,15 @@ use counterpoint_motion::contour::element::{Spot, direction, plus};
 use counterpoint_motion::lettering;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels, within_reason};
-use super::formula::{Kind, Name};
+use super::clearing::{CycleBlockWriter, levels, within_reason};
+use super::formula::{ParameterKind, QParameter};
 use super::moves::{Moves, RAPID};
 use super::path::actual;
-use super::variables::Value;
-use crate::host::Host;
+use super::variables::ParameterValue;
+use crate::host::InterpreterHost;
 
 /// The text of the cycle.
-const TEXT: Name = Name { kind: Kind::Text, index: 500 };
+const TEXT: QParameter = QParameter { kind: ParameterKind::Text, index: 500 };
 
 /// The day on which every job begins, and the second of it: 8 in the morning.
 const DAY: (u64, u64, u64) = (2026, 1, 1);
@@ -113,14 +113,14 @@ fn plain(text: &str, seconds: u64) -> Result<(String, bool), String> {
 
 /// Where the text lies.
 #[derive(Debug, Clone, Copy)]
-enum Layout {
+enum TextLayout {
     /// Turned about the point of the text that lies where the tool is.
     Straight { turn: f64, at: Spot },
     /// The middle of the text in a direction from the centre; clockwise with the tops outwards.
     Round { middle: f64, radius: f64, clockwise: bool },
 }
 
-impl Layout {
+impl TextLayout {
     /// A spot of a character whose middle is at a place of the text, in heights; the text has a length.
     fn place(self, [along, up]: Spot, middle: f64, length: f64, height: f64) -> Spot {
         match self {
@@ -141,7 +141,7 @@ impl Layout {
 
 impl Heidenhain {
     /// How the text lies; its length in heights.
-    fn layout(&self, length: f64) -> Result<Layout, String> {
+    fn layout(&self, length: f64) -> Result<TextLayout, String> {
         let position = self.sl(367);
         let turn = self.sl(374);
         if self.sl(516) == 0.0 {
@@ -151,7 +151,7 @@ impl Heidenhain {
             let (Some(end), Some(up)) = (ends.get(place), heights.get(place)) else {
                 return Err("Q367 of cycle 225 is 0 to 9".to_owned());
             };
-            return Ok(Layout::Straight { turn, at: [end * length, *up] });
+            return Ok(TextLayout::Straight { turn, at: [end * length, *up] });
         }
         if position != 0.0 {
             return Err("texts on arcs at other places (Q367) are not emulated in cycle 225: program Q367=0".to_owned());
@@ -161,12 +161,12 @@ impl Heidenhain {
             return Err("the radius Q517 of cycle 225 is not above 0".to_owned());
         }
         let around = self.sl(516) == 2.0;
-        Ok(Layout::Round { middle: turn, radius, clockwise: around || (0.0..=180.0).contains(&turn) })
+        Ok(TextLayout::Round { middle: turn, radius, clockwise: around || (0.0..=180.0).contains(&turn) })
     }
 
     /// The blocks of cycle 225.
-    pub(super) fn engrave(&self, host: &mut dyn Host) -> Result<Moves, String> {
-        let Some(Value::Text(text)) = self.variables.get(TEXT) else {
+    pub(super) fn engrave(&self, host: &mut dyn InterpreterHost) -> Result<Moves, String> {
+        let Some(ParameterValue::Text(text)) = self.variables.get(TEXT) else {
             return Err("cycle 225 has no text QS500".to_owned());
         };
         if self.sl(515) != 0.0 {
@@ -192,7 +192,7 @@ impl Heidenhain {
         let grounds = levels(self.sl(203), self.sl(203) + self.sl(201), self.sl(202));
         // A character has at most 20 moves.
         within_reason(text.len() * 20, grounds.len())?;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(clear, RAPID);
         for (place, character) in text.chars().enumerate() {
             let middle = place as f64 * (lettering::WIDTH + gap) + lettering::WIDTH / 2.0;

@@ -6,11 +6,11 @@
 //! names gets them as they are. Invariant: a program without FU and FZ keeps its F words.
 
 use super::Heidenhain;
-use super::eval::{Asked, Evaluator};
-use super::path::{FASTEST, Shape};
-use super::variables::Value;
-use super::words::{Seen, shown};
-use crate::host::Host;
+use super::eval::{Evaluator, IdentificationResult};
+use super::path::{FASTEST, PathBlockKind};
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, shown};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -49,12 +49,12 @@ impl Units {
     }
 
     /// Converts a feed from units of the machine to units of the program.
-    pub(super) fn of_program(self, feed: f64, host: &dyn Host) -> f64 {
+    pub(super) fn of_program(self, feed: f64, host: &dyn InterpreterHost) -> f64 {
         if self.inches { feed / self.feed_factor(host.length_factor()) } else { feed }
     }
 
     /// The programmed feed, in units of the program.
-    pub(super) fn programmed(self, host: &dyn Host) -> f64 {
+    pub(super) fn programmed(self, host: &dyn InterpreterHost) -> f64 {
         self.of_program(host.feed(), host)
     }
 
@@ -71,7 +71,11 @@ impl Units {
 
 impl Heidenhain {
     /// FU and FZ of a block become F words with their M function.
-    pub(super) fn feed_units(&mut self, host: &mut dyn Host, seen: &mut [Seen]) -> Result<(), Halt> {
+    pub(super) fn feed_units(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        seen: &mut [EvaluatedWord],
+    ) -> Result<(), Halt> {
         for word in &*seen {
             if let ("M", Some(number)) = (&*word.name, word.value) {
                 self.units.function(number);
@@ -93,7 +97,7 @@ impl Heidenhain {
                 return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));
             }
             self.begin_units();
-            *word = Seen { function: Some(PER_TURN), span: word.span, ..Seen::made("F", value) };
+            *word = EvaluatedWord { function: Some(PER_TURN), span: word.span, ..EvaluatedWord::made("F", value) };
         }
         Ok(())
     }
@@ -101,10 +105,10 @@ impl Heidenhain {
     /// The F word that FMAX is on a circle: the rate of the slower axis of the plane.
     pub(super) fn rapid_on_circle(
         &self,
-        host: &mut dyn Host,
-        shape: Shape,
-        seen: &[Seen],
-    ) -> Result<Option<Seen>, Halt> {
+        host: &mut dyn InterpreterHost,
+        shape: PathBlockKind,
+        seen: &[EvaluatedWord],
+    ) -> Result<Option<EvaluatedWord>, Halt> {
         if !shape.is_arc() || !seen.iter().any(|word| word.is("FMAX")) {
             return Ok(None);
         }
@@ -112,7 +116,7 @@ impl Heidenhain {
     }
 
     /// The F word of a circle at rapid.
-    pub(super) fn circle_rate(&self, host: &mut dyn Host) -> Result<Seen, Halt> {
+    pub(super) fn circle_rate(&self, host: &mut dyn InterpreterHost) -> Result<EvaluatedWord, Halt> {
         if self.units.per_turn {
             let text =
                 format!("a circle at rapid under M136 is not emulated in '{}'; program M137 before", host.block_text());
@@ -121,7 +125,7 @@ impl Heidenhain {
         let rates = self.plane_letters().map(|letter| host.rapid_rate(letter));
         let rate = rates.into_iter().flatten().fold(f64::INFINITY, f64::min);
         let per_minute = if self.units.inches { host.length_factor() / 10.0 } else { 1.0 };
-        Ok(Seen::made("F", if rate.is_finite() { rate / per_minute } else { FASTEST }))
+        Ok(EvaluatedWord::made("F", if rate.is_finite() { rate / per_minute } else { FASTEST }))
     }
 
     /// Feeds that are kept have the unit that they had.
@@ -135,13 +139,13 @@ impl Heidenhain {
     }
 
     /// Teeth of the tool in use.
-    fn teeth(&mut self, host: &mut dyn Host) -> Result<f64, Halt> {
+    fn teeth(&mut self, host: &mut dyn InterpreterHost) -> Result<f64, Halt> {
         let tool = self.variables.control.tool.unwrap_or(0.0);
         let asked = format!("ID50 NR15 IDX{}", shown(tool));
         let answer = Evaluator::new(&mut self.variables, host).ask(&asked)?;
         match answer {
-            Asked::Value(Value::Number(teeth)) if teeth > 0.0 => Ok(teeth),
-            Asked::Unknown if self.tools.teeth(tool) > 0.0 => Ok(self.tools.teeth(tool)),
+            IdentificationResult::Value(ParameterValue::Number(teeth)) if teeth > 0.0 => Ok(teeth),
+            IdentificationResult::Unknown if self.tools.teeth(tool) > 0.0 => Ok(self.tools.teeth(tool)),
             _ => {
                 let text = format!(
                     "the feed per tooth of '{}' needs the number of teeth of tool {}, which the identification macro does not give for '{asked}'",

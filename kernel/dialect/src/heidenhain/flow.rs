@@ -11,20 +11,20 @@ use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::Formula;
 use super::lex;
-use super::statement::{self, Label, Statement};
-use super::variables::Value;
+use super::statement::{self, HeidenhainStatement, Label};
+use super::variables::ParameterValue;
 use super::words::{LeftBlock, headed};
-use crate::host::{Call, Host};
+use crate::host::{InterpreterHost, SubprogramCall};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_program::search::{Labels, Search};
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
+use counterpoint_program::search::{LabelSearchOrder, Labels};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
 
 /// The program of a frame of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Kind {
+pub(super) enum CalleeKind {
     #[default]
     Program,
     Label,
@@ -33,7 +33,7 @@ pub(super) enum Kind {
 }
 
 /// Labels of a file; blocks that cannot be read have none.
-fn labels(source: &Source) -> Labels<Label> {
+fn labels(source: &ProgramSource) -> Labels<Label> {
     let mut labels = Labels::default();
     for line in source.walk(1, source.lines()) {
         let text = source.line(line);
@@ -42,7 +42,7 @@ fn labels(source: &Source) -> Labels<Label> {
             continue;
         }
         let clean = lex::clean(text, &|_| false);
-        if let Ok(Statement::Label(label)) = statement::read(&clean.text) {
+        if let Ok(HeidenhainStatement::Label(label)) = statement::read(&clean.text) {
             labels.add(label, line);
         }
     }
@@ -54,32 +54,32 @@ const MOST: f64 = 65_534.0;
 
 impl Heidenhain {
     /// Line of a label in the file being processed.
-    pub(super) fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
+    pub(super) fn find_label(&mut self, host: &mut dyn InterpreterHost, label: &Label) -> Option<u32> {
         let file = host.place().file;
         self.find_label_in(host, file, label)
     }
 
     /// Line of a label in a file.
-    pub(super) fn find_label_in(&mut self, host: &mut dyn Host, file: FileId, label: &Label) -> Option<u32> {
+    pub(super) fn find_label_in(&mut self, host: &mut dyn InterpreterHost, file: FileId, label: &Label) -> Option<u32> {
         let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
-        known.find(label, Search::FromTop, 0, (1, u32::MAX))
+        known.find(label, LabelSearchOrder::FromTop, 0, (1, u32::MAX))
     }
 
-    pub(super) fn label_of(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<Label, Halt> {
+    pub(super) fn label_of(&mut self, host: &mut dyn InterpreterHost, formula: &Formula) -> Result<Label, Halt> {
         let value = Evaluator::new(&mut self.variables, host).value(formula)?;
         match value {
-            Value::Text(name) => Ok(Label::Name(name.to_string())),
-            Value::Number(number) if (0.0..=1e9).contains(&number) && number.fract() == 0.0 => {
+            ParameterValue::Text(name) => Ok(Label::Name(name.to_string())),
+            ParameterValue::Number(number) if (0.0..=1e9).contains(&number) && number.fract() == 0.0 => {
                 Ok(Label::Number(number as u32))
             }
-            Value::Number(number) => {
+            ParameterValue::Number(number) => {
                 let text = format!("label {number} not found in '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
     }
 
-    fn known_label(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<(Label, u32), Halt> {
+    fn known_label(&mut self, host: &mut dyn InterpreterHost, formula: &Formula) -> Result<(Label, u32), Halt> {
         let label = self.label_of(host, formula)?;
         match self.find_label(host, &label) {
             Some(line) => Ok((label, line)),
@@ -91,7 +91,7 @@ impl Heidenhain {
     }
 
     /// GOTO LBL.
-    pub(super) fn jump(&mut self, host: &mut dyn Host, to: &Formula) -> Result<(), Halt> {
+    pub(super) fn jump(&mut self, host: &mut dyn InterpreterHost, to: &Formula) -> Result<(), Halt> {
         let (_, line) = self.known_label(host, to)?;
         self.lines.keeping = true;
         host.go_to(line)
@@ -100,7 +100,7 @@ impl Heidenhain {
     /// CALL LBL: a subprogram, or a repeat of the blocks between the label and here.
     pub(super) fn call_label(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         label: &Formula,
         repeat: Option<&Formula>,
     ) -> Result<(), Halt> {
@@ -132,21 +132,21 @@ impl Heidenhain {
             return Ok(());
         }
         let last = host.source(here.file).map_or(here.range.last, |source| source.lines());
-        let place = Some((here.file, Range { number: None, first: line, last }));
-        self.calling = Some(Kind::Label);
-        host.call(Call { name: label.to_string().into(), place, passes, closes: true });
+        let place = Some((here.file, ProgramRange { number: None, first: line, last }));
+        self.calling = Some(CalleeKind::Label);
+        host.call(SubprogramCall { name: label.to_string().into(), place, passes, closes: true });
         Ok(())
     }
 
     /// LBL 0: the end of a subprogram, nothing where none was called.
-    pub(super) fn end_label(&mut self, host: &mut dyn Host) {
+    pub(super) fn end_label(&mut self, host: &mut dyn InterpreterHost) {
         if self.variables.calls.in_part() {
             host.return_from();
         }
     }
 
     /// END PGM: a code of the machine if it has one, otherwise the end of the program or the return of a called one.
-    pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn end_program(&mut self, host: &mut dyn InterpreterHost) -> Result<Vec<LeftBlock>, Halt> {
         if self.variables.calls.depth() > 0 {
             let unit = self.unit_of_caller(host);
             host.return_from();
@@ -159,15 +159,15 @@ impl Heidenhain {
     }
 
     /// A program called by name.
-    pub(super) fn call_program(&mut self, host: &mut dyn Host, name: &str) -> Result<(), Halt> {
+    pub(super) fn call_program(&mut self, host: &mut dyn InterpreterHost, name: &str) -> Result<(), Halt> {
         let place = self.find_program(host, name, false)?;
-        self.calling = Some(Kind::Program);
-        host.call(Call { name: name.trim().into(), place, passes: 1, closes: true });
+        self.calling = Some(CalleeKind::Program);
+        host.call(SubprogramCall { name: name.trim().into(), place, passes: 1, closes: true });
         Ok(())
     }
 
     /// Whether the current program is an ISO program: by setting, first block, or file name.
-    pub(super) fn is_iso(&self, host: &dyn Host) -> bool {
+    pub(super) fn is_iso(&self, host: &dyn InterpreterHost) -> bool {
         if let Some(iso) = self.settings.iso {
             return iso;
         }
@@ -186,10 +186,10 @@ impl Heidenhain {
     /// Where a program of a name is: beside the calling or the main program, then where the settings say.
     pub(super) fn find_program(
         &self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
         stored: bool,
-    ) -> Result<Option<(FileId, Range)>, Halt> {
+    ) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         let path = name.trim().trim_matches('"').replace('\\', "/");
         let files = host.files();
         let folder = |file: FileId| {
@@ -231,8 +231,8 @@ impl Heidenhain {
 }
 
 /// All of a file.
-fn whole(host: &mut dyn Host, file: FileId) -> Result<(FileId, Range), Halt> {
+fn whole(host: &mut dyn InterpreterHost, file: FileId) -> Result<(FileId, ProgramRange), Halt> {
     host.load(file)?;
     let last = host.source(file).map_or(0, |source| source.lines());
-    Ok((file, Range { number: None, first: 1, last }))
+    Ok((file, ProgramRange { number: None, first: 1, last }))
 }

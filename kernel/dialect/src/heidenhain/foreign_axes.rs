@@ -8,8 +8,8 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::path::{AXES, axis};
-use super::words::Seen;
-use crate::host::Host;
+use super::words::EvaluatedWord;
+use crate::host::InterpreterHost;
 
 /// Cycles of single values that name no axes.
 const VALUES_ONLY: [u32; 4] = [9, 11, 13, 32];
@@ -17,12 +17,16 @@ const VALUES_ONLY: [u32; 4] = [9, 11, 13, 32];
 const PLANE: u32 = 19;
 
 /// Refuses axis words with values in a statement that takes none.
-pub(super) fn refuse_axes(host: &mut dyn Host, statement: &str, seen: &[Seen]) -> Result<(), Halt> {
+pub(super) fn refuse_axes(host: &mut dyn InterpreterHost, statement: &str, seen: &[EvaluatedWord]) -> Result<(), Halt> {
     refuse(host, statement, seen, |_| true)
 }
 
 /// Refuses axis words that a cycle of several lines does not take.
-pub(super) fn refuse_axes_of_cycle(host: &mut dyn Host, cycle: u32, seen: &[Seen]) -> Result<(), Halt> {
+pub(super) fn refuse_axes_of_cycle(
+    host: &mut dyn InterpreterHost,
+    cycle: u32,
+    seen: &[EvaluatedWord],
+) -> Result<(), Halt> {
     let name = format!("cycle {cycle}");
     match cycle {
         PLANE => refuse(host, &name, seen, |at| !matches!(AXES.get(at), Some(&("A" | "B" | "C")))),
@@ -31,8 +35,14 @@ pub(super) fn refuse_axes_of_cycle(host: &mut dyn Host, cycle: u32, seen: &[Seen
     }
 }
 
-fn refuse(host: &mut dyn Host, statement: &str, seen: &[Seen], foreign: fn(usize) -> bool) -> Result<(), Halt> {
-    let is_foreign = |word: &&Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| foreign(at));
+fn refuse(
+    host: &mut dyn InterpreterHost,
+    statement: &str,
+    seen: &[EvaluatedWord],
+    foreign: fn(usize) -> bool,
+) -> Result<(), Halt> {
+    let is_foreign =
+        |word: &&EvaluatedWord| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| foreign(at));
     let Some(word) = seen.iter().find(is_foreign) else { return Ok(()) };
     let text = format!("{statement} takes no word {} in '{}'", word.own_text(), host.block_text());
     Err(host.alarm(&diag::STATEMENT_UNKNOWN, text))

@@ -6,21 +6,21 @@
 
 use std::sync::Arc;
 
-use super::lex::Cursor;
-use super::variables::Value;
-use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read, signed};
-use crate::numeric::{Function, Operator};
+use super::lex::HeidenhainCursor;
+use super::variables::ParameterValue;
+use crate::expression::{self, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read, signed};
+use crate::numeric::{NumericFunction, NumericOperator};
 
 /// Kind of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum ParameterKind {
     Q,
     Local,
     Kept,
     Text,
 }
 
-impl Kind {
+impl ParameterKind {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Q => "Q",
@@ -41,33 +41,33 @@ impl Kind {
 
 /// A parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Name {
-    pub(super) kind: Kind,
+pub(super) struct QParameter {
+    pub(super) kind: ParameterKind,
     pub(super) index: u32,
 }
 
-impl std::fmt::Display for Name {
+impl std::fmt::Display for QParameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}{}", self.kind.name(), self.index)
     }
 }
 
 /// Names of the functions besides those of all controls.
-const FUNCTIONS: [(&str, Function); 8] = [
-    ("ATAN", Function::Atan),
-    ("ARCSIN", Function::Asin),
-    ("SQ", Function::Square),
-    ("LOG", Function::Log),
-    ("NEG", Function::Neg),
-    ("INT", Function::Fix),
-    ("FRAC", Function::Frac),
-    ("SGN", Function::Sign),
+const FUNCTIONS: [(&str, NumericFunction); 8] = [
+    ("ATAN", NumericFunction::Atan),
+    ("ARCSIN", NumericFunction::Asin),
+    ("SQ", NumericFunction::Square),
+    ("LOG", NumericFunction::Log),
+    ("NEG", NumericFunction::Neg),
+    ("INT", NumericFunction::Fix),
+    ("FRAC", NumericFunction::Frac),
+    ("SGN", NumericFunction::Sign),
 ];
 
 /// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Own {
-    Variable(Name),
+pub(super) enum HeidenhainOp {
+    Variable(QParameter),
     /// Number and places.
     ToChar,
     /// Text, begin, length (negative: up to the end).
@@ -82,45 +82,45 @@ pub(super) enum Own {
     Unknown(Arc<str>),
 }
 
-pub(super) type Op = expression::Op<Value, Own>;
+pub(super) type Op = expression::ExpressionOp<ParameterValue, HeidenhainOp>;
 
 /// A compiled formula.
-pub(super) type Formula = Code<Value, Own>;
+pub(super) type Formula = CompiledExpression<ParameterValue, HeidenhainOp>;
 
 /// Deepest nesting of brackets and functions.
 const DEEPEST: usize = 100;
 
 /// Why a text is not a formula: the expected input and the place.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Wrong {
+pub(super) struct FormulaError {
     pub(super) expected: &'static str,
     pub(super) column: usize,
 }
 
-impl std::fmt::Display for Wrong {
+impl std::fmt::Display for FormulaError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "expected {} at column {}", self.expected, self.column)
     }
 }
 
 /// The expected input at a cursor.
-pub(super) fn expected(cursor: &Cursor<'_>, expected: &'static str) -> Wrong {
-    Wrong { expected, column: cursor.column() }
+pub(super) fn expected(cursor: &HeidenhainCursor<'_>, expected: &'static str) -> FormulaError {
+    FormulaError { expected, column: cursor.column() }
 }
 
 /// A parameter at the cursor, if there is one.
-pub(super) fn parameter(cursor: &mut Cursor<'_>) -> Option<Name> {
+pub(super) fn parameter(cursor: &mut HeidenhainCursor<'_>) -> Option<QParameter> {
     let mut ahead = cursor.clone();
     if !ahead.take(b'Q') {
         return None;
     }
     let kind = match ahead.next_byte() {
-        Some(b'L') => Kind::Local,
-        Some(b'R') => Kind::Kept,
-        Some(b'S') => Kind::Text,
-        _ => Kind::Q,
+        Some(b'L') => ParameterKind::Local,
+        Some(b'R') => ParameterKind::Kept,
+        Some(b'S') => ParameterKind::Text,
+        _ => ParameterKind::Q,
     };
-    if kind != Kind::Q {
+    if kind != ParameterKind::Q {
         ahead.bump();
     }
     if !ahead.next_byte().is_some_and(|byte| byte.is_ascii_digit()) {
@@ -128,56 +128,62 @@ pub(super) fn parameter(cursor: &mut Cursor<'_>) -> Option<Name> {
     }
     let index = ahead.run(|byte| byte.is_ascii_digit()).parse().unwrap_or(u32::MAX);
     *cursor = ahead;
-    Some(Name { kind, index })
+    Some(QParameter { kind, index })
 }
 
 /// A number.
 pub(super) fn number(value: f64) -> Formula {
-    Formula::constant(Value::Number(value))
+    Formula::constant(ParameterValue::Number(value))
 }
 
 /// A text.
 pub(super) fn text(text: &str) -> Formula {
-    Formula::constant(Value::Text(text.into()))
+    Formula::constant(ParameterValue::Text(text.into()))
 }
 
 /// Reads a formula as far as it goes.
-pub(super) fn formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
-    let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
+pub(super) fn formula(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
+    let mut parser = FormulaParser { cursor, ops: Vec::new(), depth: 0 };
     read(&mut parser, 0)?;
     Ok(Formula::new(parser.ops))
 }
 
 /// Reads one operand: a number, a parameter, a text, with or without sign.
-pub(super) fn operand(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
-    let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
+pub(super) fn operand(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
+    let mut parser = FormulaParser { cursor, ops: Vec::new(), depth: 0 };
     signed(&mut parser)?;
     Ok(Formula::new(parser.ops))
 }
 
 /// Operands and the operation on them.
 pub(super) fn with(operands: impl IntoIterator<Item = Formula>, op: Op) -> Formula {
-    Formula::new(operands.into_iter().flat_map(Code::into_ops).chain([op]).collect())
+    Formula::new(operands.into_iter().flat_map(CompiledExpression::into_ops).chain([op]).collect())
 }
 
-struct Parser<'c, 't> {
-    cursor: &'c mut Cursor<'t>,
+struct FormulaParser<'c, 't> {
+    cursor: &'c mut HeidenhainCursor<'t>,
     ops: Vec<Op>,
     depth: usize,
 }
 
-impl Grammar for Parser<'_, '_> {
-    type Value = Value;
-    type Own = Own;
-    type Mistake = Wrong;
+impl Grammar for FormulaParser<'_, '_> {
+    type Value = ParameterValue;
+    type Own = HeidenhainOp;
+    type Mistake = FormulaError;
 
     const OPERATORS: Operators = &[
-        &[("||", Operator::Join)],
-        &[("+", Operator::Add), ("-", Operator::Sub)],
-        &[("*", Operator::Mul), ("/", Operator::Div), ("%", Operator::RemByQuotient), ("DIV", Operator::Div)],
-        &[("^", Operator::Power)],
+        &[("||", NumericOperator::Join)],
+        &[("+", NumericOperator::Add), ("-", NumericOperator::Sub)],
+        &[
+            ("*", NumericOperator::Mul),
+            ("/", NumericOperator::Div),
+            ("%", NumericOperator::RemByQuotient),
+            ("DIV", NumericOperator::Div),
+        ],
+        &[("^", NumericOperator::Power)],
     ];
-    const SIGNS: &'static [(&'static str, Sign)] = &[("+", Sign::Plus), ("-", Sign::Minus)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)] =
+        &[("+", PrefixOperator::Plus), ("-", PrefixOperator::Minus)];
 
     fn ops(&mut self) -> &mut Vec<Op> {
         &mut self.ops
@@ -190,20 +196,20 @@ impl Grammar for Parser<'_, '_> {
         }
     }
 
-    fn operand(&mut self) -> Result<Part, Wrong> {
+    fn operand(&mut self) -> Result<ExpressionPart, FormulaError> {
         let start = self.ops.len();
         self.primary()?;
-        Ok(Part { start, truth: false })
+        Ok(ExpressionPart { start, truth: false })
     }
 
-    fn negated(value: &Value) -> Option<Value> {
+    fn negated(value: &ParameterValue) -> Option<ParameterValue> {
         match value {
-            Value::Number(value) => Some(Value::Number(-value)),
-            Value::Text(_) => None,
+            ParameterValue::Number(value) => Some(ParameterValue::Number(-value)),
+            ParameterValue::Text(_) => None,
         }
     }
 
-    fn nest(&mut self, _: bool) -> Result<(), Wrong> {
+    fn nest(&mut self, _: bool) -> Result<(), FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST { self.wrong("a formula that is not nested so deeply") } else { Ok(()) }
     }
@@ -213,18 +219,18 @@ impl Grammar for Parser<'_, '_> {
     }
 }
 
-impl Parser<'_, '_> {
-    fn wrong<T>(&self, what: &'static str) -> Result<T, Wrong> {
+impl FormulaParser<'_, '_> {
+    fn wrong<T>(&self, what: &'static str) -> Result<T, FormulaError> {
         Err(expected(self.cursor, what))
     }
 
-    fn primary(&mut self) -> Result<(), Wrong> {
+    fn primary(&mut self) -> Result<(), FormulaError> {
         if let Some((_, value)) = self.cursor.number() {
-            self.ops.push(Op::Value(Value::Number(value)));
+            self.ops.push(Op::Value(ParameterValue::Number(value)));
             return Ok(());
         }
         if let Some(text) = self.cursor.quoted() {
-            self.ops.push(Op::Value(Value::Text(text.into())));
+            self.ops.push(Op::Value(ParameterValue::Text(text.into())));
             return Ok(());
         }
         if self.cursor.take(b'(') {
@@ -232,17 +238,17 @@ impl Parser<'_, '_> {
             return self.close();
         }
         if let Some(name) = parameter(self.cursor) {
-            self.ops.push(Op::Own(Own::Variable(name)));
+            self.ops.push(Op::Own(HeidenhainOp::Variable(name)));
             return Ok(());
         }
         self.function()
     }
 
-    fn close(&mut self) -> Result<(), Wrong> {
+    fn close(&mut self) -> Result<(), FormulaError> {
         if self.cursor.take(b')') { Ok(()) } else { self.wrong("a closing bracket") }
     }
 
-    fn function(&mut self) -> Result<(), Wrong> {
+    fn function(&mut self) -> Result<(), FormulaError> {
         self.cursor.blanks();
         let start = self.cursor.clone();
         let name = self.cursor.letters();
@@ -250,11 +256,11 @@ impl Parser<'_, '_> {
             return self.wrong("a number, a parameter or a function");
         }
         if name == "PI" {
-            self.ops.push(Op::Value(Value::Number(std::f64::consts::PI)));
+            self.ops.push(Op::Value(ParameterValue::Number(std::f64::consts::PI)));
             return Ok(());
         }
         let own = FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
-        if let Some(function) = Function::named(name).or(own) {
+        if let Some(function) = NumericFunction::named(name).or(own) {
             signed(self)?;
             self.ops.push(Op::Apply(function));
             return Ok(());
@@ -279,12 +285,12 @@ impl Parser<'_, '_> {
         }
         let length = start.rest().len() - self.cursor.rest().len();
         let text = start.rest().get(..length).unwrap_or_default().into();
-        self.ops.push(Op::Own(Own::Unknown(text)));
+        self.ops.push(Op::Own(HeidenhainOp::Unknown(text)));
         Ok(())
     }
 
     /// A function with arguments by keywords, as in `SUBSTR ( SRC_QS10 BEG2 LEN4 )`.
-    fn text_function(&mut self, name: &str) -> Result<(), Wrong> {
+    fn text_function(&mut self, name: &str) -> Result<(), FormulaError> {
         if !self.cursor.take(b'(') {
             return self.wrong("an opening bracket");
         }
@@ -292,40 +298,40 @@ impl Parser<'_, '_> {
             "TOCHAR" => {
                 self.argument("DAT", None)?;
                 self.argument("DECIMALS", Some(0.0))?;
-                self.ops.push(Op::Own(Own::ToChar));
+                self.ops.push(Op::Own(HeidenhainOp::ToChar));
             }
             "SUBSTR" => {
                 self.argument("SRC_", None)?;
                 self.argument("BEG", Some(0.0))?;
                 self.argument("LEN", Some(-1.0))?;
-                self.ops.push(Op::Own(Own::Substring));
+                self.ops.push(Op::Own(HeidenhainOp::Substring));
             }
             "INSTR" => {
                 self.argument("SRC_", None)?;
                 self.argument("SEA_", None)?;
                 self.argument("BEG", Some(0.0))?;
-                self.ops.push(Op::Own(Own::Find));
+                self.ops.push(Op::Own(HeidenhainOp::Find));
             }
             "STRCOMP" => {
                 self.argument("SRC_", None)?;
                 self.argument("SEA_", None)?;
-                self.ops.push(Op::Own(Own::Compare));
+                self.ops.push(Op::Own(HeidenhainOp::Compare));
             }
             name => {
                 self.argument("SRC_", None)?;
-                self.ops.push(Op::Own(if name == "STRLEN" { Own::Length } else { Own::ToNumber }));
+                self.ops.push(Op::Own(if name == "STRLEN" { HeidenhainOp::Length } else { HeidenhainOp::ToNumber }));
             }
         }
         self.close()
     }
 
-    fn argument(&mut self, key: &str, default: Option<f64>) -> Result<(), Wrong> {
+    fn argument(&mut self, key: &str, default: Option<f64>) -> Result<(), FormulaError> {
         if self.cursor.take_text(key) {
             return signed(self).map(|_| ());
         }
         match default {
             Some(value) => {
-                self.ops.push(Op::Value(Value::Number(value)));
+                self.ops.push(Op::Value(ParameterValue::Number(value)));
                 Ok(())
             }
             None => self.wrong("a source"),

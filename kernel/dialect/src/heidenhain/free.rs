@@ -7,13 +7,13 @@
 //! determined stops the program, as on the control.
 
 use super::choices::exit_angle;
-use super::path::{Position, Shape, Step, Walk};
+use super::path::{PathBlock, PathBlockKind, PathBuilder, Position};
 use super::words::LeftBlock;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use crate::contour::{
-    Point, Polar, along, angle_between, direction, left, length, minus, pieces, times, touch, towards, turn,
+    Point, PolarPoint, along, angle_between, direction, left, length, minus, pieces, times, touch, towards, turn,
 };
 
 /// Largest piece of an arc that is made by its radius, degrees.
@@ -43,7 +43,7 @@ const OFF: f64 = 0.016;
 
 /// Data of free contours besides the path.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Free {
+pub(super) struct FreeContour {
     pub(super) pole: Option<Point>,
     /// Where the contour of CLSD+ begins.
     begins: Option<Point>,
@@ -58,7 +58,7 @@ pub(super) struct Free {
 }
 
 /// An arc to be made.
-struct Arc {
+struct FreeContourArc {
     center: Point,
     radius: f64,
     /// Degrees.
@@ -68,12 +68,12 @@ struct Arc {
 }
 
 /// A value of a step.
-pub(super) fn of_step(step: &Step, name: &str) -> Option<f64> {
+pub(super) fn of_step(step: &PathBlock, name: &str) -> Option<f64> {
     step.seen.iter().find(|word| word.is(name) && !word.is_off()).and_then(|word| word.value)
 }
 
 /// The direction of rotation of a step.
-pub(super) fn sense_of(step: &Step) -> Option<bool> {
+pub(super) fn sense_of(step: &PathBlock) -> Option<bool> {
     step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.turns() == Some(true))
 }
 
@@ -84,7 +84,7 @@ fn meets(from: Point, way: Point, at: Point, other: Point) -> Option<Point> {
     (by.abs() > 1e-9 && share > 1e-9).then(|| along(from, way, share))
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     fn free(&self, name: &str) -> Option<f64> {
         of_step(self.step, name)
     }
@@ -127,7 +127,7 @@ impl Walk<'_> {
         self.relative_in(self.step, name)
     }
 
-    pub(super) fn relative_in(&self, step: &Step, name: &str) -> Option<(Point, Option<Point>)> {
+    pub(super) fn relative_in(&self, step: &PathBlock, name: &str) -> Option<(Point, Option<Point>)> {
         let number = of_step(step, name)?;
         let known = self.path.free.known.iter().find(|(of, ..)| f64::from(*of) == number);
         known.map(|(_, end, heading)| (*end, *heading))
@@ -175,12 +175,12 @@ impl Walk<'_> {
     /// An end about the pole of FPOL, otherwise about that of CC; both coordinates have to stand.
     fn free_polar(&mut self) -> Option<Position> {
         let Some(pole) = self.path.free.pole else { return self.polar_end().map(|(end, _)| end) };
-        let here = Polar::of(pole, self.flat(&self.start));
-        let of = |name: &str| self.relative(name).map_or(here, |(end, _)| Polar::of(pole, end));
+        let here = PolarPoint::of(pole, self.flat(&self.start));
+        let of = |name: &str| self.relative(name).map_or(here, |(end, _)| PolarPoint::of(pole, end));
         let radius = self.free("PR").or_else(|| Some(of("RPR").radius + self.free("IPR")?))?;
         let angle = self.free("PA").or_else(|| Some(of("RPA").angle + self.free("IPA")?))?;
         let mut end = self.target();
-        self.put(&mut end, Polar { radius, angle }.point(pole));
+        self.put(&mut end, PolarPoint { radius, angle }.point(pole));
         Some(end)
     }
 
@@ -202,7 +202,7 @@ impl Walk<'_> {
 
     fn asks_more(&self) -> bool {
         let more = self.step.seen.iter().any(|word| MORE.iter().any(|name| word.is(name)));
-        more && matches!(self.step.shape, Shape::FreeArc { .. }) || !self.relations_hold()
+        more && matches!(self.step.shape, PathBlockKind::FreeArc { .. }) || !self.relations_hold()
     }
 
     /// CLSD+ begins a contour that CLSD- closes.
@@ -213,12 +213,12 @@ impl Walk<'_> {
     }
 
     /// The centre that a step says, in coordinates of the plane.
-    pub(super) fn center_of(&self, step: &Step) -> Option<Point> {
+    pub(super) fn center_of(&self, step: &PathBlock) -> Option<Point> {
         Some([of_step(step, "CCX")?, of_step(step, "CCY")?])
     }
 
     /// The end of a following step, if its coordinates give it.
-    pub(super) fn end_behind(&self, step: &Step) -> Option<Point> {
+    pub(super) fn end_behind(&self, step: &PathBlock) -> Option<Point> {
         let letters = self.path.plane.map(|axis| super::path::AXES.get(axis).copied().unwrap_or_default());
         Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
     }
@@ -227,7 +227,7 @@ impl Walk<'_> {
     fn line_end(&mut self, way: Option<Point>) -> Option<Point> {
         let start = self.flat(&self.start);
         let next = self.ahead.first()?;
-        if next.shape == (Shape::FreeLine { tangent: false }) {
+        if next.shape == (PathBlockKind::FreeLine { tangent: false }) {
             // It meets the next line.
             let lines = self.lines_behind(next);
             let way = way?;
@@ -246,7 +246,7 @@ impl Walk<'_> {
         let start = self.flat(&self.start);
         let next = self.ahead.first()?;
         match next.shape {
-            Shape::FreeArc { tangent: true } => {
+            PathBlockKind::FreeArc { tangent: true } => {
                 let clockwise = sense_of(next);
                 if let Some(center) = self.center_of(next) {
                     return match way {
@@ -290,9 +290,9 @@ impl Walk<'_> {
         let next = self.ahead.first()?;
         match next.shape {
             // A tangent leads to the end of the line.
-            Shape::FreeLine { tangent: true } => touch(self.end_behind(next)?, center, radius, !clockwise),
+            PathBlockKind::FreeLine { tangent: true } => touch(self.end_behind(next)?, center, radius, !clockwise),
             // It touches the next circle.
-            Shape::FreeArc { tangent: true } => {
+            PathBlockKind::FreeArc { tangent: true } => {
                 let (other, size) = (self.center_of(next)?, of_step(next, "R")?.abs());
                 let by = minus(other, center);
                 let way = direction(by)?;
@@ -387,7 +387,7 @@ impl Walk<'_> {
     fn free_center(&self) -> Option<Point> {
         let here = self.flat(&self.start);
         if let (Some(radius), Some(angle)) = (self.free("CCPR"), self.free("CCPA")) {
-            return Some(Polar { radius, angle }.point(self.path.free.pole.or(self.path.poles.flat)?));
+            return Some(PolarPoint { radius, angle }.point(self.path.free.pole.or(self.path.poles.flat)?));
         }
         let of = |side: usize, [name, by, relative]: [&str; 3]| {
             let from = self.relative(relative).map_or(here, |(end, _)| end);
@@ -427,19 +427,19 @@ impl Walk<'_> {
             let signed = if self.path.free.selected(0).is_some() { self.pick(&ways, 0) } else { Some(radius) };
             let center = signed.and_then(|signed| crate::contour::center_by_radius(start, to, signed, clockwise));
             let Some(center) = center else { return Err(self.not_determined()) };
-            let angle = Polar::of(center, start).angle;
-            let sweep = angle_between(angle, Polar::of(center, to).angle, clockwise);
-            return Ok(self.arc_about(&Arc { center, radius, sweep, end: Some(end) }, angle, clockwise));
+            let angle = PolarPoint::of(center, start).angle;
+            let sweep = angle_between(angle, PolarPoint::of(center, to).angle, clockwise);
+            return Ok(self.arc_about(&FreeContourArc { center, radius, sweep, end: Some(end) }, angle, clockwise));
         };
         let said = radius;
-        let Polar { radius, angle } = Polar::of(center, start);
+        let PolarPoint { radius, angle } = PolarPoint::of(center, start);
         if said.is_some_and(|said| (said - radius).abs() > OFF) {
             return Err(self.not_determined());
         }
         let turn = if clockwise { -90.0 } else { 90.0 };
         let chord = self.free("LEN").map(|chord| 2.0 * libm::asin(chord / (2.0 * radius)).to_degrees());
         let sweep = match end {
-            Some(end) => Some(angle_between(angle, Polar::of(center, self.flat(&end)).angle, clockwise)),
+            Some(end) => Some(angle_between(angle, PolarPoint::of(center, self.flat(&end)).angle, clockwise)),
             // The direction of the line after it is perpendicular to the radius at the end.
             None => self.free("CCA").map(f64::abs).or(chord).or_else(|| {
                 let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some());
@@ -450,23 +450,23 @@ impl Walk<'_> {
                 };
                 by_exit.or_else(by_one).or_else(|| {
                     let end = self.arc_end(center, radius, clockwise)?;
-                    Some(angle_between(angle, Polar::of(center, end).angle, clockwise))
+                    Some(angle_between(angle, PolarPoint::of(center, end).angle, clockwise))
                 })
             }),
         };
         let sweep = sweep.filter(|sweep| (1e-9..=360.0).contains(sweep) && radius > 1e-9);
         match sweep {
-            Some(sweep) => Ok(self.arc_about(&Arc { center, radius, sweep, end }, angle, clockwise)),
+            Some(sweep) => Ok(self.arc_about(&FreeContourArc { center, radius, sweep, end }, angle, clockwise)),
             None => Err(self.not_determined()),
         }
     }
 
     /// An arc about a centre in pieces by their radius.
-    fn arc_about(&mut self, arc: &Arc, from: f64, clockwise: bool) -> Vec<LeftBlock> {
+    fn arc_about(&mut self, arc: &FreeContourArc, from: f64, clockwise: bool) -> Vec<LeftBlock> {
         let signed = |turn: f64| if clockwise { -turn } else { turn };
         let mut end = arc.end.unwrap_or(self.target());
         if arc.end.is_none() {
-            self.put(&mut end, Polar { radius: arc.radius, angle: from + signed(arc.sweep) }.point(arc.center));
+            self.put(&mut end, PolarPoint { radius: arc.radius, angle: from + signed(arc.sweep) }.point(arc.center));
         }
         let to = self.flat(&end);
         // A corner ends the arc earlier.
@@ -474,13 +474,13 @@ impl Walk<'_> {
         let corner = self.corner_ahead(whole, &end);
         let (mut stop, mut sweep) = (end, arc.sweep);
         if let Some(corner) = corner {
-            sweep = angle_between(from, Polar::of(arc.center, corner).angle, clockwise);
+            sweep = angle_between(from, PolarPoint::of(arc.center, corner).angle, clockwise);
             self.put(&mut stop, corner);
         }
         let (mut lines, mut last) = (Vec::new(), self.start);
         for part in pieces(sweep, PIECE) {
             let angle = from + signed(sweep * part);
-            self.put(&mut last, Polar { radius: arc.radius, angle }.point(arc.center));
+            self.put(&mut last, PolarPoint { radius: arc.radius, angle }.point(arc.center));
             if part >= 1.0 {
                 last = stop;
             }

@@ -3,22 +3,22 @@
 //! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16 to
 //! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
 
-use super::formula::{self, Formula, Name, Op, Own, Wrong, expected, parameter, with};
-use super::lex::Cursor;
-use super::statement::{Condition, Statement, Test, target};
-use super::words::{MADE, Word, words};
-use crate::numeric::{Function, Operator};
-use crate::statement::{ALARM, Shared};
+use super::formula::{self, Formula, FormulaError, HeidenhainOp, Op, QParameter, expected, parameter, with};
+use super::lex::HeidenhainCursor;
+use super::statement::{BranchCondition, HeidenhainStatement, Test, target};
+use super::words::{HeidenhainWord, MADE, words};
+use crate::numeric::{NumericFunction, NumericOperator};
+use crate::statement::{ALARM, SharedStatement};
 
 /// Functions that other controls also have as statements: number, keyword, action.
-const STATEMENTS: [(u32, &str, &Shared); 1] = [(14, "ERROR", &ALARM)];
+const STATEMENTS: [(u32, &str, &SharedStatement); 1] = [(14, "ERROR", &ALARM)];
 
-fn shared(number: u32) -> Option<(&'static str, &'static Shared)> {
+fn shared(number: u32) -> Option<(&'static str, &'static SharedStatement)> {
     STATEMENTS.iter().find(|(known, ..)| *known == number).map(|(_, key, statement)| (*key, *statement))
 }
 
 /// Behind `FN`: number, colon, function.
-pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+pub(super) fn read(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let Some(number) = cursor.whole() else { return Err(expected(cursor, "the number of the function")) };
     cursor.take(b':');
     let statement = match number {
@@ -27,11 +27,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             if !cursor.take(b'=') {
                 return Err(expected(cursor, "an equal sign"));
             }
-            Statement::Assign(name, calculated(number, cursor)?)
+            HeidenhainStatement::Assign(name, calculated(number, cursor)?)
         }
         9..=12 => return branch(number, cursor),
-        15 => Statement::Send(text_of(cursor, &["PRINT"])),
-        16 => Statement::Print(text_of(cursor, &["F-PRINT"])),
+        15 => HeidenhainStatement::Send(text_of(cursor, &["PRINT"])),
+        16 => HeidenhainStatement::Print(text_of(cursor, &["F-PRINT"])),
         18 => {
             cursor.keyword("SYSREAD");
             let to = name(cursor)?;
@@ -44,15 +44,15 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             cursor.keyword("SYSWRITE");
             write_system(cursor)?
         }
-        20 => return Ok(Statement::Nothing),
-        38 => Statement::Send(text_of(cursor, &["SEND"])),
+        20 => return Ok(HeidenhainStatement::Nothing),
+        38 => HeidenhainStatement::Send(text_of(cursor, &["SEND"])),
         _ => match shared(number) {
             Some((key, statement)) => {
                 if !cursor.keyword(key) || !cursor.take(b'=') {
                     return Err(expected(cursor, "the key word of the function and an equal sign"));
                 }
                 let operands = (0..statement.operands).map(|_| formula::operand(cursor)).collect::<Result<_, _>>()?;
-                Statement::Shared(statement, operands)
+                HeidenhainStatement::Shared(statement, operands)
             }
             None => return Ok(foreign(&format!("FN {number}"), cursor)),
         },
@@ -61,7 +61,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
 }
 
 /// An ISO function by its number: `D01 Q2 P01 +5.5 P02 Q1`.
-pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+pub(super) fn read_iso(number: u32, cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let statement = match number {
         0..=8 | 13 => {
             let name = name(cursor)?;
@@ -71,26 +71,29 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
                 (_, Some(function)) => with([first], Op::Apply(function)),
                 _ => with([first, operand(2, cursor)?], of_two(number)),
             };
-            Statement::Assign(name, formula)
+            HeidenhainStatement::Assign(name, formula)
         }
         9..=12 => {
             let (first, second) = (operand(1, cursor)?, operand(2, cursor)?);
             place(3, cursor)?;
-            return Ok(Statement::Branch(Condition::Compare(first, test(number), second), target(cursor)?));
+            return Ok(HeidenhainStatement::Branch(
+                BranchCondition::Compare(first, test(number), second),
+                target(cursor)?,
+            ));
         }
-        15 | 38 => Statement::Send(text_of(cursor, &[])),
-        16 => Statement::Print(text_of(cursor, &["P01"])),
+        15 | 38 => HeidenhainStatement::Send(text_of(cursor, &[])),
+        16 => HeidenhainStatement::Print(text_of(cursor, &["P01"])),
         18 => {
             let to = name(cursor)?;
             read_system(to, cursor)?
         }
         17 => write_system(cursor)?,
-        20 => return Ok(Statement::Nothing),
+        20 => return Ok(HeidenhainStatement::Nothing),
         _ => match shared(number) {
             Some((_, statement)) => {
                 let operands =
                     (1..=statement.operands as u32).map(|at| operand(at, cursor)).collect::<Result<_, _>>()?;
-                Statement::Shared(statement, operands)
+                HeidenhainStatement::Shared(statement, operands)
             }
             None => return Ok(foreign(&format!("D{number:02}"), cursor)),
         },
@@ -98,22 +101,25 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
     ended(statement, cursor)
 }
 
-fn ended(statement: Statement, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+fn ended(
+    statement: HeidenhainStatement,
+    cursor: &mut HeidenhainCursor<'_>,
+) -> Result<HeidenhainStatement, FormulaError> {
     if cursor.is_over() { Ok(statement) } else { Err(expected(cursor, "the end of the block")) }
 }
 
-fn foreign(head: &str, cursor: &mut Cursor<'_>) -> Statement {
-    let head = words(&mut Cursor::new(head)).into_iter();
-    let mut all: Vec<Word> = head.map(|word| Word { span: MADE, ..word }).collect();
+fn foreign(head: &str, cursor: &mut HeidenhainCursor<'_>) -> HeidenhainStatement {
+    let head = words(&mut HeidenhainCursor::new(head)).into_iter();
+    let mut all: Vec<HeidenhainWord> = head.map(|word| HeidenhainWord { span: MADE, ..word }).collect();
     all.extend(words(cursor));
-    Statement::Foreign(all)
+    HeidenhainStatement::Foreign(all)
 }
 
-fn name(cursor: &mut Cursor<'_>) -> Result<Name, Wrong> {
+fn name(cursor: &mut HeidenhainCursor<'_>) -> Result<QParameter, FormulaError> {
     parameter(cursor).ok_or_else(|| expected(cursor, "a parameter"))
 }
 
-fn text_of(cursor: &mut Cursor<'_>, words: &[&str]) -> String {
+fn text_of(cursor: &mut HeidenhainCursor<'_>, words: &[&str]) -> String {
     for word in words {
         cursor.take_text(word);
     }
@@ -121,7 +127,7 @@ fn text_of(cursor: &mut Cursor<'_>, words: &[&str]) -> String {
 }
 
 /// `P01`, `P1`, `p02` before an operand.
-fn place(number: u32, cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
+fn place(number: u32, cursor: &mut HeidenhainCursor<'_>) -> Result<(), FormulaError> {
     let mut ahead = cursor.clone();
     if ahead.take(b'P') && ahead.whole() == Some(number) {
         *cursor = ahead;
@@ -130,34 +136,34 @@ fn place(number: u32, cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
     Err(expected(cursor, "the next operand, P01, P02 or P03"))
 }
 
-fn operand(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+fn operand(number: u32, cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     place(number, cursor)?;
     formula::operand(cursor)
 }
 
 /// Functions of one operand.
-fn with_one(number: u32) -> Option<Function> {
+fn with_one(number: u32) -> Option<NumericFunction> {
     match number {
-        5 => Some(Function::Sqrt),
-        6 => Some(Function::Sin),
-        7 => Some(Function::Cos),
+        5 => Some(NumericFunction::Sqrt),
+        6 => Some(NumericFunction::Sin),
+        7 => Some(NumericFunction::Cos),
         _ => None,
     }
 }
 
 fn of_two(number: u32) -> Op {
     Op::Combine(match number {
-        1 => Operator::Add,
-        2 => Operator::Sub,
-        3 => Operator::Mul,
-        4 => Operator::Div,
-        8 => Operator::Legs,
-        _ => Operator::Angle,
+        1 => NumericOperator::Add,
+        2 => NumericOperator::Sub,
+        3 => NumericOperator::Mul,
+        4 => NumericOperator::Div,
+        8 => NumericOperator::Legs,
+        _ => NumericOperator::Angle,
     })
 }
 
 /// The text after the equal sign of FN 0 to FN 8 and FN 13.
-fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+fn calculated(number: u32, cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     if number == 0 {
         return formula::formula(cursor);
     }
@@ -193,7 +199,7 @@ fn test(number: u32) -> Test {
     }
 }
 
-fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+fn branch(number: u32, cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     if !cursor.keyword("IF") {
         return Err(expected(cursor, "IF"));
     }
@@ -204,7 +210,7 @@ fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             return Err(expected(cursor, "DEFINED or UNDEFINED"));
         }
         match first.as_own() {
-            Some(Own::Variable(name)) => Condition::Defined(*name, defined),
+            Some(HeidenhainOp::Variable(name)) => BranchCondition::Defined(*name, defined),
             _ => return Err(expected(cursor, "a parameter before IS")),
         }
     } else {
@@ -217,16 +223,16 @@ fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
         if !cursor.take_text(key) {
             return Err(expected(cursor, "EQU, NE, GT or LT, as the function has it"));
         }
-        Condition::Compare(first, test(number), formula::operand(cursor)?)
+        BranchCondition::Compare(first, test(number), formula::operand(cursor)?)
     };
     if !cursor.keyword("GOTO") {
         return Err(expected(cursor, "GOTO"));
     }
-    Ok(Statement::Branch(condition, target(cursor)?))
+    Ok(HeidenhainStatement::Branch(condition, target(cursor)?))
 }
 
 /// `ID270 NR1 IDX2`: system, number, index.
-fn place_of_system(cursor: &mut Cursor<'_>) -> Result<(Formula, Formula, Option<Formula>), Wrong> {
+fn place_of_system(cursor: &mut HeidenhainCursor<'_>) -> Result<(Formula, Formula, Option<Formula>), FormulaError> {
     if !cursor.take_text("ID") {
         return Err(expected(cursor, "ID"));
     }
@@ -239,15 +245,15 @@ fn place_of_system(cursor: &mut Cursor<'_>) -> Result<(Formula, Formula, Option<
     Ok((id, number, index))
 }
 
-fn read_system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+fn read_system(to: QParameter, cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let (id, number, index) = place_of_system(cursor)?;
-    Ok(Statement::SysRead { to, id, number, index })
+    Ok(HeidenhainStatement::SysRead { to, id, number, index })
 }
 
-fn write_system(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+fn write_system(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let (id, number, index) = place_of_system(cursor)?;
     if !cursor.take(b'=') {
         return Err(expected(cursor, "an equal sign"));
     }
-    Ok(Statement::SysWrite { id, number, index, value: formula::operand(cursor)? })
+    Ok(HeidenhainStatement::SysWrite { id, number, index, value: formula::operand(cursor)? })
 }

@@ -3,14 +3,14 @@
 //! Facts: Heidenhain ISO pre-processor page, programming manual (DIN/ISO). Invariant: a block of which nothing is
 //! evaluated is left as it is.
 
-use super::formula::{self, Wrong, expected};
-use super::lex::Cursor;
-use super::path::{Shape, Walk, axis};
-use super::statement::{Label, Statement};
-use super::words::{Operand, Word};
+use super::formula::{self, FormulaError, expected};
+use super::lex::HeidenhainCursor;
+use super::path::{PathBlockKind, PathBuilder, axis};
+use super::statement::{HeidenhainStatement, Label};
+use super::words::{HeidenhainWord, Operand};
 
 /// A statement of ISO programs.
-pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+pub(super) fn read(cursor: &mut HeidenhainCursor<'_>) -> Result<Option<HeidenhainStatement>, FormulaError> {
     let mut ahead = cursor.clone();
     if ahead.take(b'D')
         && let Some(number) = ahead.whole()
@@ -27,19 +27,23 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> 
         if !ahead.is_over() {
             return Err(expected(&ahead, "the end of the block"));
         }
-        return Ok(Some(if label == Label::Number(0) { Statement::EndOfLabel } else { Statement::Label(label) }));
+        return Ok(Some(if label == Label::Number(0) {
+            HeidenhainStatement::EndOfLabel
+        } else {
+            HeidenhainStatement::Label(label)
+        }));
     }
     let mut ahead = cursor.clone();
     if ahead.take_text("G39") {
         ahead.take_text("P01");
         let text = format!("PGM {}", ahead.all());
-        return Ok(Some(Statement::CyclePart { cycle: 12, part: 1, words: Vec::new(), text }));
+        return Ok(Some(HeidenhainStatement::CyclePart { cycle: 12, part: 1, words: Vec::new(), text }));
     }
     call(cursor)
 }
 
 /// `L5`, `L5,0`, `L5,2`, `L5.2`, `L"NAME"`: such a block has no other words.
-fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+fn call(cursor: &mut HeidenhainCursor<'_>) -> Result<Option<HeidenhainStatement>, FormulaError> {
     let mut ahead = cursor.clone();
     if !ahead.take(b'L') {
         return Ok(None);
@@ -68,18 +72,20 @@ fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     if !ahead.is_over() {
         return Err(expected(&ahead, "the end of the block"));
     }
-    Ok(Some(Statement::CallLabel { label, repeat }))
+    Ok(Some(HeidenhainStatement::CallLabel { label, repeat }))
 }
 
 /// Words, or a block that moves.
-pub(super) fn path(words: Vec<Word>) -> Statement {
+pub(super) fn path(words: Vec<HeidenhainWord>) -> HeidenhainStatement {
     let cycle = words.iter().position(|word| word.name.starts_with('Q') && word.name.ends_with('='));
     if let Some(first) = cycle
         && let Some(word) = words.first().filter(|word| &*word.name == "G").cloned()
     {
-        return Statement::CycleDefinition(std::iter::once(word).chain(words.into_iter().skip(first)).collect());
+        return HeidenhainStatement::CycleDefinition(
+            std::iter::once(word).chain(words.into_iter().skip(first)).collect(),
+        );
     }
-    let moves = |word: &Word| match &word.operand {
+    let moves = |word: &HeidenhainWord| match &word.operand {
         Operand::Number(_, value) if &*word.name == "G" => {
             matches!(*value as u32, 0..=3 | 5..=7 | 10..=19 | 24..=29 | 90 | 91) && value.fract() == 0.0
         }
@@ -87,16 +93,16 @@ pub(super) fn path(words: Vec<Word>) -> Statement {
         _ => axis(&word.name).is_some() || matches!(&*word.name, "I" | "J" | "K"),
     };
     // Words of frames, cycles and the like take the positions of their block.
-    let takes = |word: &Word| match &word.operand {
+    let takes = |word: &HeidenhainWord| match &word.operand {
         Operand::Number(_, value) if &*word.name == "G" => {
             value.fract() != 0.0 || matches!(*value as u32, 4 | 28 | 30..=39 | 50..=69 | 72..=78 | 80..=89 | 92..=99)
         }
         _ => false,
     };
     if words.iter().any(moves) && !words.iter().any(takes) {
-        return Statement::Path { shape: Shape::Iso, iso: true, words };
+        return HeidenhainStatement::Path { shape: PathBlockKind::Iso, iso: true, words };
     }
-    Statement::Words(words)
+    HeidenhainStatement::Words(words)
 }
 
 /// Whether a plain block needs the interpreter: it moves, or sets data on which later blocks depend.
@@ -137,18 +143,18 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     false
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// Shape of a block by its G words.
-    pub(super) fn iso_shape(&mut self) -> Shape {
+    pub(super) fn iso_shape(&mut self) -> PathBlockKind {
         let seen = &self.step.seen;
         let numbers = || seen.iter().filter(|word| word.is("G")).filter_map(|word| word.value);
         let mut own = None;
         for number in numbers() {
             match number as u32 {
                 number @ (0..=3 | 5..=7 | 10..=13 | 15 | 16) => own = Some(number),
-                24 => return Shape::Chamfer,
-                25 => return Shape::Round,
-                29 => return Shape::Pole,
+                24 => return PathBlockKind::Chamfer,
+                25 => return PathBlockKind::Round,
+                29 => return PathBlockKind::Pole,
                 _ => {}
             }
         }
@@ -167,15 +173,15 @@ impl Walk<'_> {
             _ => {}
         }
         match mode {
-            _ if centers && !moves && own.is_none() => Shape::Pole,
-            _ if !(moves || polar || centers && own.is_some()) => Shape::Iso,
-            Some(2 | 3 | 5) if seen.iter().any(|word| word.is("R")) => Shape::Radius,
-            Some(2 | 3 | 5) => Shape::Arc,
-            Some(6) => Shape::Tangent,
-            Some(10 | 11) if polar || !moves => Shape::PolarLine,
-            Some(12 | 13 | 15) if polar || !moves => Shape::PolarArc,
-            Some(16) if polar || !moves => Shape::PolarTangent,
-            _ => Shape::Line,
+            _ if centers && !moves && own.is_none() => PathBlockKind::Pole,
+            _ if !(moves || polar || centers && own.is_some()) => PathBlockKind::Iso,
+            Some(2 | 3 | 5) if seen.iter().any(|word| word.is("R")) => PathBlockKind::Radius,
+            Some(2 | 3 | 5) => PathBlockKind::Arc,
+            Some(6) => PathBlockKind::Tangent,
+            Some(10 | 11) if polar || !moves => PathBlockKind::PolarLine,
+            Some(12 | 13 | 15) if polar || !moves => PathBlockKind::PolarArc,
+            Some(16) if polar || !moves => PathBlockKind::PolarTangent,
+            _ => PathBlockKind::Line,
         }
     }
 
@@ -195,8 +201,8 @@ impl Walk<'_> {
 mod tests {
     use super::*;
 
-    fn words_of(text: &str) -> Vec<Word> {
-        super::super::words::words(&mut Cursor::new(text))
+    fn words_of(text: &str) -> Vec<HeidenhainWord> {
+        super::super::words::words(&mut HeidenhainCursor::new(text))
     }
 
     #[test]
@@ -227,10 +233,10 @@ mod tests {
 
     #[test]
     fn blocks_that_move_are_told_from_words() {
-        assert!(matches!(path(words_of("G01 X+5")), Statement::Path { .. }));
-        assert!(matches!(path(words_of("I+5 J+3")), Statement::Path { .. }));
-        assert!(matches!(path(words_of("G40 M3")), Statement::Words(_)));
-        assert!(matches!(path(words_of("G54 X+5")), Statement::Words(_)));
-        assert!(matches!(path(words_of("G200 Q200=2")), Statement::CycleDefinition(_)));
+        assert!(matches!(path(words_of("G01 X+5")), HeidenhainStatement::Path { .. }));
+        assert!(matches!(path(words_of("I+5 J+3")), HeidenhainStatement::Path { .. }));
+        assert!(matches!(path(words_of("G40 M3")), HeidenhainStatement::Words(_)));
+        assert!(matches!(path(words_of("G54 X+5")), HeidenhainStatement::Words(_)));
+        assert!(matches!(path(words_of("G200 Q200=2")), HeidenhainStatement::CycleDefinition(_)));
     }
 }

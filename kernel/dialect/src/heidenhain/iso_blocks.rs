@@ -8,18 +8,18 @@
 
 use counterpoint_fault::Halt;
 
-use super::formula::{self, Formula, Own};
-use super::lex::Cursor;
-use super::path::{Shape, axis};
-use super::statement::{Call, Statement};
-use super::words::{LeftBlock, Operand, Seen, Word, shown};
-use super::{Heidenhain, Line, iso_cycles};
-use crate::host::{Host, Place};
+use super::formula::{self, Formula, HeidenhainOp};
+use super::lex::HeidenhainCursor;
+use super::path::{PathBlockKind, axis};
+use super::statement::{CycleCallForm, HeidenhainStatement};
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand, shown};
+use super::{Heidenhain, HeidenhainLine, iso_cycles};
+use crate::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
 
 /// Modes of an ISO program.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Modes {
+pub(super) struct IsoModes {
     motion: Option<u32>,
     increments: bool,
     clockwise: bool,
@@ -32,31 +32,31 @@ pub(super) struct Modes {
 }
 
 /// A path block: its shape and its words.
-pub(super) type Element = (Shape, Vec<Word>);
+pub(super) type Element = (PathBlockKind, Vec<HeidenhainWord>);
 
 /// G words that only set a mode.
 fn is_mode(g: u32) -> bool {
     matches!(g, 0..=3 | 5..=7 | 10..=13 | 15 | 16 | 17..=19 | 40..=42 | 90 | 91)
 }
 
-fn bare(name: &str) -> Word {
-    Word::made(name, Operand::None)
+fn bare(name: &str) -> HeidenhainWord {
+    HeidenhainWord::made(name, Operand::None)
 }
 
-fn valued(name: &str, value: f64) -> Word {
-    Word::made(name, Operand::Number(shown(value).into(), value))
+fn valued(name: &str, value: f64) -> HeidenhainWord {
+    HeidenhainWord::made(name, Operand::Number(shown(value).into(), value))
 }
 
-fn renamed(word: &Word, name: &str) -> Word {
-    Word { span: word.span, ..Word::made(name, word.operand.clone()) }
+fn renamed(word: &HeidenhainWord, name: &str) -> HeidenhainWord {
+    HeidenhainWord { span: word.span, ..HeidenhainWord::made(name, word.operand.clone()) }
 }
 
-fn has_value(word: &Word) -> bool {
+fn has_value(word: &HeidenhainWord) -> bool {
     !matches!(word.operand, Operand::None | Operand::Sign(_))
 }
 
 /// The numbers of the G words, and the other words; none where a G word has no plain number.
-fn split(words: &[Word]) -> Option<(Vec<u32>, Vec<Word>)> {
+fn split(words: &[HeidenhainWord]) -> Option<(Vec<u32>, Vec<HeidenhainWord>)> {
     let (mut numbers, mut others) = (Vec::new(), Vec::new());
     for word in words {
         match &word.operand {
@@ -74,9 +74,9 @@ fn position(name: &str, increments: bool) -> Option<String> {
     Some(if increments { format!("I{name}") } else { name.to_owned() })
 }
 
-impl Modes {
+impl IsoModes {
     /// The path blocks of a block with these G words, and the modes after it.
-    pub(super) fn elements(&mut self, numbers: &[u32], words: &[Word]) -> Vec<Element> {
+    pub(super) fn elements(&mut self, numbers: &[u32], words: &[HeidenhainWord]) -> Vec<Element> {
         let mut own = None;
         for &number in numbers {
             match number {
@@ -94,26 +94,27 @@ impl Modes {
             Some(3 | 13) => self.clockwise = false,
             _ => {}
         }
-        let others: Vec<Word> = words.iter().filter(|word| !matches!(&*word.name, "I" | "J" | "K")).cloned().collect();
+        let others: Vec<HeidenhainWord> =
+            words.iter().filter(|word| !matches!(&*word.name, "I" | "J" | "K")).cloned().collect();
         if let Some(shape) = numbers.iter().find_map(|number| match number {
-            24 => Some(Shape::Chamfer),
-            25 => Some(Shape::Round),
+            24 => Some(PathBlockKind::Chamfer),
+            25 => Some(PathBlockKind::Round),
             _ => None,
         }) {
             return vec![(shape, others)];
         }
         let mut elements = Vec::new();
         if numbers.contains(&29) {
-            elements.push((Shape::Pole, Vec::new()));
+            elements.push((PathBlockKind::Pole, Vec::new()));
         }
-        let center = |word: &Word| {
+        let center = |word: &HeidenhainWord| {
             let at = ["I", "J", "K"].iter().position(|name| *word.name == **name).filter(|_| has_value(word))?;
             Some(renamed(word, &position(["X", "Y", "Z"].get(at)?, self.increments)?))
         };
-        let center: Vec<Word> = words.iter().filter_map(center).collect();
+        let center: Vec<HeidenhainWord> = words.iter().filter_map(center).collect();
         let centers = !center.is_empty();
         if centers {
-            elements.push((Shape::Pole, center));
+            elements.push((PathBlockKind::Pole, center));
         }
         let moves = others.iter().any(|word| has_value(word) && axis(&word.name).is_some());
         let polar = others.iter().any(|word| has_value(word) && matches!(&*word.name, "R" | "H"));
@@ -124,22 +125,23 @@ impl Modes {
             _ => None,
         });
         let Some(mode) = self.motion.filter(|_| moves || polar || centers && own.is_some()) else {
-            let left: Vec<Word> = others.into_iter().chain(compensation).collect();
+            let left: Vec<HeidenhainWord> = others.into_iter().chain(compensation).collect();
             if !left.is_empty() {
-                elements.push((Shape::Iso, left));
+                elements.push((PathBlockKind::Iso, left));
             }
             return elements;
         };
         let shape = match mode {
-            2 | 3 | 5 if others.iter().any(|word| &*word.name == "R") => Shape::Radius,
-            2 | 3 | 5 => Shape::Arc,
-            6 => Shape::Tangent,
-            10 | 11 if polar || !moves => Shape::PolarLine,
-            12 | 13 | 15 if polar || !moves => Shape::PolarArc,
-            16 => Shape::PolarTangent,
-            _ => Shape::Line,
+            2 | 3 | 5 if others.iter().any(|word| &*word.name == "R") => PathBlockKind::Radius,
+            2 | 3 | 5 => PathBlockKind::Arc,
+            6 => PathBlockKind::Tangent,
+            10 | 11 if polar || !moves => PathBlockKind::PolarLine,
+            12 | 13 | 15 if polar || !moves => PathBlockKind::PolarArc,
+            16 => PathBlockKind::PolarTangent,
+            _ => PathBlockKind::Line,
         };
-        let is_polar = matches!(shape, Shape::PolarLine | Shape::PolarArc | Shape::PolarTangent);
+        let is_polar =
+            matches!(shape, PathBlockKind::PolarLine | PathBlockKind::PolarArc | PathBlockKind::PolarTangent);
         let mut made = Vec::with_capacity(others.len() + 2);
         for word in &others {
             let name = match &*word.name {
@@ -150,8 +152,8 @@ impl Modes {
             };
             made.push(name.map_or_else(|| word.clone(), |name| renamed(word, &name)));
         }
-        if matches!(shape, Shape::Arc | Shape::Radius | Shape::PolarArc) {
-            made.push(Word::made("DR", Operand::Sign(if self.clockwise { '-' } else { '+' })));
+        if matches!(shape, PathBlockKind::Arc | PathBlockKind::Radius | PathBlockKind::PolarArc) {
+            made.push(HeidenhainWord::made("DR", Operand::Sign(if self.clockwise { '-' } else { '+' })));
         }
         made.extend(compensation);
         if matches!(mode, 0 | 10) {
@@ -162,16 +164,16 @@ impl Modes {
     }
 }
 
-impl Modes {
+impl IsoModes {
     /// The path blocks of a block as it was read; none if it is not a path block.
-    pub(super) fn read(&mut self, words: &[Word]) -> Option<Vec<Element>> {
+    pub(super) fn read(&mut self, words: &[HeidenhainWord]) -> Option<Vec<Element>> {
         let (numbers, others) = split(words)?;
         Some(self.elements(&numbers, &others))
     }
 }
 
 /// The values after P01, P02 and so on.
-fn numbered(seen: &[Seen]) -> Vec<(u32, f64)> {
+fn numbered(seen: &[EvaluatedWord]) -> Vec<(u32, f64)> {
     let mut out = Vec::new();
     for pair in seen.windows(2) {
         let [place, value] = pair else { continue };
@@ -187,7 +189,7 @@ fn numbered(seen: &[Seen]) -> Vec<(u32, f64)> {
 
 impl Heidenhain {
     /// Whether the current program is an ISO program and the machine has no G words for it.
-    pub(super) fn is_translated(&mut self, host: &dyn Host) -> bool {
+    pub(super) fn is_translated(&mut self, host: &dyn InterpreterHost) -> bool {
         if host.is_register("G") {
             return false;
         }
@@ -205,10 +207,10 @@ impl Heidenhain {
     /// A block of an ISO program, as its conversational blocks.
     pub(super) fn iso_block(
         &mut self,
-        host: &mut dyn Host,
-        words: &[Word],
-        line: &Line,
-        place: Place,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+        line: &HeidenhainLine,
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
         let Some((numbers, others)) = split(words) else { return Err(self.not_understood(host)) };
         let mut functions = numbers.iter().copied().filter(|number| !is_mode(*number));
@@ -237,7 +239,7 @@ impl Heidenhain {
                 return Err(self.not_understood(host));
             }
             let Some((tool, others)) = tool_of(others, at) else { return Err(self.not_understood(host)) };
-            let words: Vec<Word> = tool_axis.map(bare).into_iter().chain(others).collect();
+            let words: Vec<HeidenhainWord> = tool_axis.map(bare).into_iter().chain(others).collect();
             self.modes.elements(&numbers, &[]);
             return self.call_tool(host, Some(&tool), &words);
         }
@@ -250,7 +252,7 @@ impl Heidenhain {
         }
         for (shape, words) in self.softened(host, elements, line, place)? {
             blocks.extend(match shape {
-                Shape::Iso => self.plain(host, &words)?,
+                PathBlockKind::Iso => self.plain(host, &words)?,
                 shape => self.path(host, (shape, false, &words), line, place)?,
             });
         }
@@ -260,21 +262,21 @@ impl Heidenhain {
     /// A block with a G word that is not a path mode.
     fn iso_function(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         function: u32,
-        others: Vec<Word>,
-        line: &Line,
-        place: Place,
+        others: Vec<HeidenhainWord>,
+        line: &HeidenhainLine,
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
         let increments = self.modes.increments;
-        let is_foreign = |word: &Word| has_value(word) && axis(&word.name).is_some();
+        let is_foreign = |word: &HeidenhainWord| has_value(word) && axis(&word.name).is_some();
         if matches!(function, 4 | 36 | 51 | 62 | 72 | 73 | 99) && others.iter().any(is_foreign) {
             return Err(self.not_understood(host));
         }
         let of = |from: &str, to: &str| {
             others.iter().filter(|word| *word.name == *from).map(|word| renamed(word, to)).collect()
         };
-        let (cycle, words): (u32, Vec<Word>) = match function {
+        let (cycle, words): (u32, Vec<HeidenhainWord>) = match function {
             // The blank.
             30 | 31 => return Ok(Vec::new()),
             4 => (9, of("F", "DWELL")),
@@ -283,7 +285,7 @@ impl Heidenhain {
             73 => (10, of("H", if increments { "IROT" } else { "ROT" })),
             28 => (8, others),
             54 => {
-                let moved = |word: &Word| match position(&word.name, increments) {
+                let moved = |word: &HeidenhainWord| match position(&word.name, increments) {
                     Some(name) => renamed(word, &name),
                     None => word.clone(),
                 };
@@ -303,7 +305,7 @@ impl Heidenhain {
             56..=59 | 74..=78 | 83..=86 => return self.old_iso_cycle(host, function, &others),
             26 | 27 => return self.soft_end(host, function, &others),
             38 => return self.stop(host, &others),
-            79 => return self.call_cycle(host, (Call::Here, &others), place),
+            79 => return self.call_cycle(host, (CycleCallForm::Here, &others), place),
             51 | 99 => {
                 let Some(at) = others.iter().position(|word| &*word.name == "T") else {
                     return Err(self.not_understood(host));
@@ -313,29 +315,34 @@ impl Heidenhain {
             }
             _ => return Err(self.not_understood(host)),
         };
-        let statement = Statement::CyclePart { cycle, part: 1, words, text: String::new() };
-        let line = Line { number: line.number, statement, place: line.place, joined: None, next: line.next };
+        let statement = HeidenhainStatement::CyclePart { cycle, part: 1, words, text: String::new() };
+        let line = HeidenhainLine { number: line.number, statement, place: line.place, joined: None, next: line.next };
         self.define_by_parts(host, &line, place)
     }
 
-    fn values_of(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<(u32, f64)>, Halt> {
+    fn values_of(&mut self, host: &mut dyn InterpreterHost, words: &[HeidenhainWord]) -> Result<Vec<(u32, f64)>, Halt> {
         Ok(numbered(&super::eval::Evaluator::new(&mut self.variables, host).seen(words)?))
     }
 
     /// A cycle whose values have numbers.
-    fn old_iso_cycle(&mut self, host: &mut dyn Host, function: u32, others: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    fn old_iso_cycle(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        function: u32,
+        others: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let Some((cycle, lines)) = iso_cycles::lines(function) else { return Err(self.not_understood(host)) };
         if !self.settings.cycles.contains(&cycle) {
             return Err(self.not_understood(host));
         }
         let seen = super::eval::Evaluator::new(&mut self.variables, host).seen(others)?;
-        let lines: Vec<(u32, Vec<Seen>)> = iso_cycles::filled(lines, &seen);
+        let lines: Vec<(u32, Vec<EvaluatedWord>)> = iso_cycles::filled(lines, &seen);
         self.define_old(cycle, lines.iter().map(|(number, words)| (*number, words.as_slice())));
         Ok(Vec::new())
     }
 
     /// Number of the cycle that a G word of an ISO program defines: G200 is cycle 200, G120 is cycle 20.
-    pub(super) fn iso_definition(words: &[Word]) -> Option<Vec<Word>> {
+    pub(super) fn iso_definition(words: &[HeidenhainWord]) -> Option<Vec<HeidenhainWord>> {
         let (first, parameters) = words.split_first()?;
         let number = match first.operand {
             Operand::Number(_, value) if &*first.name == "G" && value.fract() == 0.0 => value as u32,
@@ -351,13 +358,13 @@ impl Heidenhain {
 }
 
 /// The tool of T, and the remaining words.
-fn tool_of(mut others: Vec<Word>, at: usize) -> Option<(Formula, Vec<Word>)> {
+fn tool_of(mut others: Vec<HeidenhainWord>, at: usize) -> Option<(Formula, Vec<HeidenhainWord>)> {
     let word = others.remove(at);
     let tool = match word.operand {
         Operand::Number(_, value) => formula::number(value),
-        Operand::Parameter { negative: false, name } => Formula::own(Own::Variable(name)),
+        Operand::Parameter { negative: false, name } => Formula::own(HeidenhainOp::Variable(name)),
         Operand::None => {
-            let name = Cursor::new(&others.get(at)?.name).quoted().map(formula::text)?;
+            let name = HeidenhainCursor::new(&others.get(at)?.name).quoted().map(formula::text)?;
             others.remove(at);
             name
         }
@@ -370,10 +377,10 @@ fn tool_of(mut others: Vec<Word>, at: usize) -> Option<(Formula, Vec<Word>)> {
 mod tests {
     use super::*;
 
-    fn read(modes: &mut Modes, text: &str) -> Vec<String> {
-        let words = super::super::words::words(&mut Cursor::new(text));
+    fn read(modes: &mut IsoModes, text: &str) -> Vec<String> {
+        let words = super::super::words::words(&mut HeidenhainCursor::new(text));
         let (numbers, others) = split(&words).unwrap();
-        let shown = |word: &Word| match &word.operand {
+        let shown = |word: &HeidenhainWord| match &word.operand {
             Operand::Number(text, _) => format!("{}{text}", word.name),
             Operand::Sign(sign) => format!("{}{sign}", word.name),
             _ => word.name.to_string(),
@@ -388,7 +395,7 @@ mod tests {
 
     #[test]
     fn blocks_become_conversational() {
-        let mut modes = Modes::default();
+        let mut modes = IsoModes::default();
         for (iso, conversational) in [
             ("G00 G40 G90 X+0 Y+10 M3", &["L X+0 Y+10 M3 R0 FMAX"][..]),
             ("Z-5", &["L Z-5 FMAX"]),

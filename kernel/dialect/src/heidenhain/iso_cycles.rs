@@ -4,11 +4,11 @@
 //! Facts: programming manual (DIN/ISO). Decision: the numbers of G56 to G59 and G74 to G78 follow the order of the
 //! lines. Invariant: a value without a place in the cycle has no effect.
 
-use super::words::Seen;
+use super::words::EvaluatedWord;
 
 /// A word of a line: the number of its value, or the direction of the cycle.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Item {
+pub(super) enum IsoCycleWord {
     /// A value identified by its place in the line, or by the letter of its axis.
     Value(u32),
     Feed(u32),
@@ -17,10 +17,10 @@ pub(super) enum Item {
     Counterclockwise,
 }
 
-use Item::{Clockwise, Counterclockwise, Feed, Radius, Value};
+use IsoCycleWord::{Clockwise, Counterclockwise, Feed, Radius, Value};
 
 /// Lines of a definition, from 1.
-pub(super) type Lines = &'static [&'static [Item]];
+pub(super) type Lines = &'static [&'static [IsoCycleWord]];
 
 const SLOT: Lines = &[&[Value(1)], &[Value(2)], &[Value(3), Feed(4)], &[Value(5)], &[Value(6)], &[Feed(7)]];
 const POCKET_CLOCKWISE: Lines =
@@ -56,20 +56,20 @@ pub(super) fn lines(function: u32) -> Option<(u32, Lines)> {
 }
 
 /// The lines with the values of a block.
-pub(super) fn filled(lines: Lines, seen: &[Seen]) -> Vec<(u32, Vec<Seen>)> {
-    let word = |item: &Item| match *item {
-        Clockwise => Some(Seen::turn(true)),
-        Counterclockwise => Some(Seen::turn(false)),
-        Value(number) => numbered(seen, number).map(|(name, value)| Seen::made(name, value)),
-        Feed(number) => numbered(seen, number).map(|(_, value)| Seen::made("F", value)),
-        Radius(number) => numbered(seen, number).map(|(_, value)| Seen::made("RADIUS", value)),
+pub(super) fn filled(lines: Lines, seen: &[EvaluatedWord]) -> Vec<(u32, Vec<EvaluatedWord>)> {
+    let word = |item: &IsoCycleWord| match *item {
+        Clockwise => Some(EvaluatedWord::turn(true)),
+        Counterclockwise => Some(EvaluatedWord::turn(false)),
+        Value(number) => numbered(seen, number).map(|(name, value)| EvaluatedWord::made(name, value)),
+        Feed(number) => numbered(seen, number).map(|(_, value)| EvaluatedWord::made("F", value)),
+        Radius(number) => numbered(seen, number).map(|(_, value)| EvaluatedWord::made("RADIUS", value)),
     };
-    let line = |items: &&[Item]| items.iter().filter_map(word).collect();
+    let line = |items: &&[IsoCycleWord]| items.iter().filter_map(word).collect();
     (1..).zip(lines.iter().map(line)).collect()
 }
 
 /// The letter and the value after a number: P05 X+80.
-fn numbered(seen: &[Seen], number: u32) -> Option<(&str, f64)> {
+fn numbered(seen: &[EvaluatedWord], number: u32) -> Option<(&str, f64)> {
     let mut pairs = seen.iter().zip(seen.iter().skip(1));
     let (_, word) = pairs.find(|(place, _)| place.is("P") && place.value == Some(f64::from(number)))?;
     let value = word.value?;
@@ -86,13 +86,13 @@ mod tests {
     use super::*;
 
     /// The items of a block: `P05`, then `X+80` or `-20`.
-    fn seen(text: &str) -> Vec<Seen> {
+    fn seen(text: &str) -> Vec<EvaluatedWord> {
         let word = |word: &str| {
             let (name, value) = match word.strip_prefix(['P', 'X', 'Y']) {
                 Some(value) => (word.get(..1).unwrap(), value),
                 None => ("", word),
             };
-            Seen::made(name, value.parse().unwrap())
+            EvaluatedWord::made(name, value.parse().unwrap())
         };
         text.split_whitespace().map(word).collect()
     }

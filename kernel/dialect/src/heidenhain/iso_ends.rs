@@ -8,22 +8,22 @@
 use counterpoint_fault::Halt;
 
 use super::iso_blocks::Element;
-use super::path::Shape;
-use super::statement::Statement;
-use super::words::{LeftBlock, Operand, Word, shown};
-use super::{Heidenhain, Line};
+use super::path::PathBlockKind;
+use super::statement::HeidenhainStatement;
+use super::words::{HeidenhainWord, LeftBlock, Operand, shown};
+use super::{Heidenhain, HeidenhainLine};
 use crate::contour::PathShape;
-use crate::host::{Host, Place};
+use crate::host::{InterpreterHost, ProgramPlace};
 
-fn is_g(word: &Word, number: f64) -> bool {
+fn is_g(word: &HeidenhainWord, number: f64) -> bool {
     matches!(word.operand, Operand::Number(_, value) if &*word.name == "G" && value == number)
 }
 
-fn is_radius(word: &Word) -> bool {
+fn is_radius(word: &HeidenhainWord) -> bool {
     &*word.name == "R"
 }
 
-fn is_compensation_off(word: &Word) -> bool {
+fn is_compensation_off(word: &HeidenhainWord) -> bool {
     matches!(word.operand, Operand::Number(_, value) if is_radius(word) && value == 0.0)
 }
 
@@ -31,13 +31,13 @@ impl Heidenhain {
     /// The path blocks of a block, the line to the first or from the last point of a contour with its arc.
     pub(super) fn softened(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         mut elements: Vec<Element>,
-        line: &Line,
-        place: Place,
+        line: &HeidenhainLine,
+        place: ProgramPlace,
     ) -> Result<Vec<Element>, Halt> {
         let [(shape, words)] = elements.as_mut_slice() else { return Ok(elements) };
-        if *shape != Shape::Line {
+        if *shape != PathBlockKind::Line {
             return Ok(elements);
         }
         if let Some(radius) = self.modes.leaves.take() {
@@ -45,25 +45,30 @@ impl Heidenhain {
                 return Err(self.not_understood(host));
             };
             off.operand = Operand::Number(shown(radius).into(), radius);
-            *shape = Shape::Depart(PathShape::LineAndCircle);
+            *shape = PathBlockKind::Depart(PathShape::LineAndCircle);
         } else if words.iter().any(|word| matches!(&*word.name, "RL" | "RR"))
             && let Some(radius) = self.approach_radius(host, line.next, place)
         {
             words.push(radius);
-            *shape = Shape::Approach(PathShape::LineAndCircle);
+            *shape = PathBlockKind::Approach(PathShape::LineAndCircle);
             self.modes.softened = true;
         }
         Ok(elements)
     }
 
     /// The radius of a G26 in the next block.
-    fn approach_radius(&mut self, host: &mut dyn Host, next: u32, place: Place) -> Option<Word> {
+    fn approach_radius(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        next: u32,
+        place: ProgramPlace,
+    ) -> Option<HeidenhainWord> {
         let mut at = next;
         while at <= place.range.last {
             let read = self.line(host, at).ok()?;
             match &read.statement {
-                Statement::Nothing if read.next > at => at = read.next,
-                Statement::Path { words, .. } | Statement::Words(words)
+                HeidenhainStatement::Nothing if read.next > at => at = read.next,
+                HeidenhainStatement::Path { words, .. } | HeidenhainStatement::Words(words)
                     if words.iter().any(|word| is_g(word, 26.0)) =>
                 {
                     return words.iter().find(|word| is_radius(word)).cloned();
@@ -77,9 +82,9 @@ impl Heidenhain {
     /// G26 and G27 themselves.
     pub(super) fn soft_end(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         function: u32,
-        others: &[Word],
+        others: &[HeidenhainWord],
     ) -> Result<Vec<LeftBlock>, Halt> {
         let [word] = others else { return Err(self.not_understood(host)) };
         let softened = std::mem::take(&mut self.modes.softened);

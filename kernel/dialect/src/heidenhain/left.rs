@@ -5,14 +5,14 @@
 
 use std::borrow::Cow;
 
-use super::words::{LeftBlock, MADE, Rest, Seen};
-use super::{Heidenhain, Line};
-use crate::host::Host;
+use super::words::{EvaluatedWord, LeftBlock, MADE, Rest};
+use super::{Heidenhain, HeidenhainLine};
+use crate::host::InterpreterHost;
 use crate::interpreter::Remaining;
 use crate::words::{Leaving, LeftValue, Span, span};
 
 /// Leaves a word of a block that has this place in its text.
-fn leave_word(leaving: &mut Leaving<'_>, word: &Seen, whole: Span) {
+fn leave_word(leaving: &mut Leaving<'_>, word: &EvaluatedWord, whole: Span) {
     let (first, _) = whole;
     let place = if word.span == MADE { whole } else { (word.span.0 + first, word.span.1 + first) };
     if let Some(function) = word.function {
@@ -29,8 +29,8 @@ fn leave_word(leaving: &mut Leaving<'_>, word: &Seen, whole: Span) {
 /// Leaves blocks of words, one after another, in the block of the kernel.
 pub(super) fn leave(
     own: &mut Heidenhain,
-    host: &mut dyn Host,
-    line: &Line,
+    host: &mut dyn InterpreterHost,
+    line: &HeidenhainLine,
     blocks: impl IntoIterator<Item = LeftBlock>,
 ) -> Remaining {
     let taken = own.lines.taken.take();
@@ -42,7 +42,7 @@ pub(super) fn leave(
         match (std::mem::replace(&mut any, true), line.number) {
             (true, _) => leaving.host.end_block(),
             (false, Some(number)) if leaving.host.is_register("N") => {
-                leave_word(&mut leaving, &Seen::made("N", f64::from(number)), whole);
+                leave_word(&mut leaving, &EvaluatedWord::made("N", f64::from(number)), whole);
             }
             (false, _) => {}
         }

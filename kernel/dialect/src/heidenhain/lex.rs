@@ -93,12 +93,12 @@ pub(super) fn capitals(text: &str) -> String {
 
 /// A place in the text of a block.
 #[derive(Debug, Clone)]
-pub(super) struct Cursor<'t> {
+pub(super) struct HeidenhainCursor<'t> {
     text: &'t str,
     at: usize,
 }
 
-impl<'t> Cursor<'t> {
+impl<'t> HeidenhainCursor<'t> {
     pub(super) fn new(text: &'t str) -> Self {
         Self { text, at: 0 }
     }
@@ -266,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_is_a_point() {
-        let number = |text: &str| Cursor::new(text).number().map(|(text, value)| (text.into_owned(), value));
+        let number = |text: &str| HeidenhainCursor::new(text).number().map(|(text, value)| (text.into_owned(), value));
         assert_eq!(number("1,25 X"), Some(("1.25".into(), 1.25)));
         assert_eq!(number("1.5,2"), Some(("1.5".into(), 1.5)));
         assert_eq!(number("7, 8"), Some(("7".into(), 7.0)));
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn key_words_end_where_a_letter_does_not_follow() {
-        let mut cursor = Cursor::new("CALL  LBL 5");
+        let mut cursor = HeidenhainCursor::new("CALL  LBL 5");
         assert!(!cursor.keyword("CAL"));
         assert!(cursor.keyword("CALL LBL"));
         assert_eq!(cursor.whole(), Some(5));

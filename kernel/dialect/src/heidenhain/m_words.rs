@@ -12,47 +12,52 @@ use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::path::axis;
-use super::words::{LeftBlock, Seen};
-use crate::host::Host;
+use super::words::{EvaluatedWord, LeftBlock};
+use crate::host::InterpreterHost;
 
 /// Letters of rotary axes, as the register of M94 counts them from 1.
 const ROTARY: [&str; 3] = ["A", "B", "C"];
 
-fn is_function(word: &Seen, number: f64) -> bool {
+fn is_function(word: &EvaluatedWord, number: f64) -> bool {
     word.is("M") && word.value == Some(number)
 }
 
 /// Takes the words after a function that are its own.
-fn behind(seen: &mut Vec<Seen>, at: usize, own: impl Fn(&Seen) -> bool) -> Vec<Seen> {
+fn behind(seen: &mut Vec<EvaluatedWord>, at: usize, own: impl Fn(&EvaluatedWord) -> bool) -> Vec<EvaluatedWord> {
     let count = seen.iter().skip(at + 1).take_while(|word| own(word)).count();
     seen.drain(at + 1..at + 1 + count).collect()
 }
 
 impl Heidenhain {
     /// Takes the own words of M functions off a block; the blocks that come before it.
-    pub(super) fn function_words(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn function_words(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        seen: &mut Vec<EvaluatedWord>,
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let mut before = Vec::new();
-        let place = |seen: &[Seen], number: f64| seen.iter().position(|word| is_function(word, number));
+        let place = |seen: &[EvaluatedWord], number: f64| seen.iter().position(|word| is_function(word, number));
         if let Some(at) = place(seen, 94.0).filter(|_| host.is_register("BELOW")) {
             let axes = behind(seen, at, |word| word.value.is_none() && ROTARY.contains(&&*word.name));
             if !axes.is_empty() {
                 let function = seen.remove(at);
                 let numbers = ROTARY.iter().zip(1_u8..).filter(|(letter, _)| axes.iter().any(|word| word.is(letter)));
-                before
-                    .extend(numbers.map(|(_, number)| vec![function.clone(), Seen::made("BELOW", f64::from(number))]));
+                before.extend(
+                    numbers.map(|(_, number)| vec![function.clone(), EvaluatedWord::made("BELOW", f64::from(number))]),
+                );
             }
         }
         if let Some(at) = place(seen, 103.0).filter(|_| host.is_register("DOWN"))
             && let Some(word) = seen.get_mut(at + 1).filter(|word| word.is("F"))
             && let Some(share) = word.value
         {
-            *word = Seen::made("DOWN", share);
+            *word = EvaluatedWord::made("DOWN", share);
         }
         if let Some(at) = place(seen, 197.0).filter(|_| host.is_register("BEYOND"))
             && let Some(word) = seen.get_mut(at + 1).filter(|word| word.is("DL"))
             && let Some(by) = word.value
         {
-            *word = Seen::made("BEYOND", by);
+            *word = EvaluatedWord::made("BEYOND", by);
         }
         for (number, what) in
             [(112.0, "corners that M112 smooths stay as they are"), (124.0, "points that M124 leaves out stay")]
@@ -72,7 +77,7 @@ impl Heidenhain {
         }
         if place(seen, 142.0).is_some() {
             before.extend(self.shifts.define(host, 247, &mut Vec::new()));
-            self.cycles.defined = super::cycles::State::default();
+            self.cycles.defined = super::cycles::DefinedCycle::default();
         }
         if place(seen, 130.0).is_some() && host.plane_angles().is_some() {
             let text = format!(

@@ -64,32 +64,32 @@ mod words;
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::host::Host;
-use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
+use super::host::InterpreterHost;
+use super::interpreter::{Interpreter, MadeBlocks, Remaining, SettingOutcome};
 use crate::words::{Meanings, Span, span};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::kept::{Kept, Tables};
+use counterpoint_program::kept::{LineCache, TableCache};
 use counterpoint_program::search::Labels;
-use counterpoint_program::shape::Range;
-use lex::Cursor;
-use path::Path;
-use settings::Settings;
-use statement::Statement;
-use variables::{Level, Variables};
+use counterpoint_program::shape::ProgramRange;
+use lex::HeidenhainCursor;
+use path::PathState;
+use settings::HeidenhainSettings;
+use statement::HeidenhainStatement;
+use variables::{HeidenhainCallLevel, QParameterStore};
 
-pub(crate) use control::Control;
+pub(crate) use control::HeidenhainDialect;
 
 /// Most lines that continue one another.
 const CONTINUED: u32 = 1000;
 
 /// A block that has been read.
 #[derive(Debug)]
-struct Line {
+struct HeidenhainLine {
     number: Option<u32>,
-    statement: Statement,
+    statement: HeidenhainStatement,
     /// Where its text is in the line, or in the text of its lines.
     place: Span,
     /// The text of a block of several lines.
@@ -99,14 +99,14 @@ struct Line {
 }
 
 /// A line with its place.
-type PlacedLine = ((FileId, u32), Arc<Line>);
+type PlacedLine = ((FileId, u32), Arc<HeidenhainLine>);
 
 /// Lines that have been read.
 #[derive(Debug, Default)]
 struct ReadLines {
     /// A line may run again, so lines are worth keeping.
     keeping: bool,
-    kept: Kept<Line>,
+    kept: LineCache<HeidenhainLine>,
     /// The last two lines: a path block reads the lines after it before they are executed.
     recent: [Option<PlacedLine>; 2],
     /// The text of the lines of the current statement, if it has consumed further blocks.
@@ -114,13 +114,13 @@ struct ReadLines {
 }
 
 impl ReadLines {
-    fn get(&mut self, at: (FileId, u32)) -> Option<&Arc<Line>> {
+    fn get(&mut self, at: (FileId, u32)) -> Option<&Arc<HeidenhainLine>> {
         let recent = self.recent.iter().flatten().find(|(of, _)| *of == at).map(|(_, line)| line);
         recent.or_else(|| self.kept.get(at))
     }
 
     /// Adds a line whose text has this length.
-    fn add(&mut self, at: (FileId, u32), line: &Arc<Line>, length: usize) {
+    fn add(&mut self, at: (FileId, u32), line: &Arc<HeidenhainLine>, length: usize) {
         if self.keeping {
             self.kept.insert(at, line, length);
         }
@@ -137,21 +137,21 @@ impl ReadLines {
 /// The pre-processor with its variables.
 #[derive(Debug, Default)]
 pub(crate) struct Heidenhain {
-    variables: Variables,
-    path: Path,
-    settings: Settings,
+    variables: QParameterStore,
+    path: PathState,
+    settings: HeidenhainSettings,
     /// Kind of the call that has been requested.
-    calling: Option<flow::Kind>,
+    calling: Option<flow::CalleeKind>,
     selected: Selected,
-    cycles: cycles::Cycles,
+    cycles: cycles::HeidenhainCycles,
     shifts: shifts::Shifts,
     units: feeds::Units,
-    tools: tools::Tools,
-    modes: iso_blocks::Modes,
+    tools: tools::ToolTableValues,
+    modes: iso_blocks::IsoModes,
     space: space::Space,
     planes: planes::Planes,
     lines: ReadLines,
-    labels: Tables<FileId, Labels<statement::Label>>,
+    labels: TableCache<FileId, Labels<statement::Label>>,
     meanings: Meanings,
 }
 
@@ -166,13 +166,18 @@ struct Selected {
 
 impl Heidenhain {
     /// The block that begins at a line of the file being processed.
-    fn line(&mut self, host: &mut dyn Host, line: u32) -> Result<Arc<Line>, String> {
+    fn line(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Result<Arc<HeidenhainLine>, String> {
         let file = host.place().file;
         self.line_in(host, file, line)
     }
 
     /// A block of a file that is loaded.
-    fn line_in(&mut self, host: &mut dyn Host, file: FileId, line: u32) -> Result<Arc<Line>, String> {
+    fn line_in(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        file: FileId,
+        line: u32,
+    ) -> Result<Arc<HeidenhainLine>, String> {
         if let Some(known) = self.lines.get((file, line)) {
             return Ok(Arc::clone(known));
         }
@@ -191,11 +196,11 @@ impl Heidenhain {
     /// Reads a block with the lines that belong to it; whether it has a mark of optional skip.
     fn compile<'s>(
         &self,
-        host: &dyn Host,
+        host: &dyn InterpreterHost,
         first: &[u8],
         (line, last): (u32, u32),
         text: &dyn Fn(u32) -> &'s [u8],
-    ) -> Result<(Line, bool), String> {
+    ) -> Result<(HeidenhainLine, bool), String> {
         let mut clean = lex::clean(first, &|level| host.skips(level));
         let mut next = line + 1;
         // Of a block that is skipped, or that is a comment alone, the lines that follow are part.
@@ -217,18 +222,18 @@ impl Heidenhain {
         let start = if joins { 0 } else { clean.start };
         let joined = joins.then(|| clean.text.into_boxed_str());
         let place = span(start, start + length);
-        Ok((Line { number: clean.number, statement, place, joined, next }, clean.marked))
+        Ok((HeidenhainLine { number: clean.number, statement, place, joined, next }, clean.marked))
     }
 
     /// A block whose text is not that of its line.
-    fn compile_alone(&self, host: &dyn Host, text: &[u8]) -> Result<Arc<Line>, String> {
+    fn compile_alone(&self, host: &dyn InterpreterHost, text: &[u8]) -> Result<Arc<HeidenhainLine>, String> {
         let line = host.place().line;
         self.compile(host, text, (line, line), &|_| &[]).map(|(read, _)| Arc::new(read))
     }
 }
 
 impl Interpreter for Heidenhain {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt> {
         self.calling = None;
         self.lines.taken = None;
         self.plane_angles(host);
@@ -244,7 +249,7 @@ impl Interpreter for Heidenhain {
         if place.as_read && line.next > place.line + 1 {
             host.go_to(line.next)?;
         }
-        if let Statement::Contour(what) = &line.statement {
+        if let HeidenhainStatement::Contour(what) = &line.statement {
             let moves = self.contour_statement(host, what, place)?;
             return Ok(left::leave(self, host, &line, moves.blocks()));
         }
@@ -255,39 +260,39 @@ impl Interpreter for Heidenhain {
     fn restart(&mut self, reset: bool) {
         self.variables.begin(reset);
         self.calling = None;
-        self.path = Path::default();
+        self.path = PathState::default();
         self.units = feeds::Units::default();
-        self.modes = iso_blocks::Modes::default();
+        self.modes = iso_blocks::IsoModes::default();
         self.space = space::Space::default();
         self.planes = planes::Planes::default();
-        self.cycles.running = cycles::Running::default();
+        self.cycles.running = cycles::RunningCycle::default();
         if reset {
             self.shifts = shifts::Shifts::default();
             self.cycles.contours = contours::Contours::default();
             self.cycles.global.clear();
-            self.cycles.defined = cycles::State::default();
-            self.cycles.pattern = patterns::Pattern::default();
+            self.cycles.defined = cycles::DefinedCycle::default();
+            self.cycles.pattern = patterns::PointPattern::default();
             self.selected = Selected::default();
         }
     }
 
     fn cycle(
         &mut self,
-        host: &mut dyn Host,
-        (file, _): (FileId, Range),
+        host: &mut dyn InterpreterHost,
+        (file, _): (FileId, ProgramRange),
         blocks: &mut MadeBlocks,
     ) -> Result<bool, Halt> {
         self.hole(host, file, blocks)
     }
 
-    fn on_call(&mut self, _: &mut dyn Host) {
+    fn on_call(&mut self, _: &mut dyn InterpreterHost) {
         self.lines.keeping = true;
-        let kind = self.calling.take().unwrap_or(flow::Kind::Program);
+        let kind = self.calling.take().unwrap_or(flow::CalleeKind::Program);
         match kind {
-            flow::Kind::Program => self.variables.calls.enter(Level::default()),
-            flow::Kind::Label => self.variables.calls.enter_part(Level::default()),
-            flow::Kind::Cycle => {
-                self.variables.calls.enter(Level::default());
+            flow::CalleeKind::Program => self.variables.calls.enter(HeidenhainCallLevel::default()),
+            flow::CalleeKind::Label => self.variables.calls.enter_part(HeidenhainCallLevel::default()),
+            flow::CalleeKind::Cycle => {
+                self.variables.calls.enter(HeidenhainCallLevel::default());
                 self.cycle_begins();
             }
         }
@@ -299,22 +304,33 @@ impl Interpreter for Heidenhain {
         }
     }
 
-    fn on_return(&mut self, _: &mut dyn Host) {
+    fn on_return(&mut self, _: &mut dyn InterpreterHost) {
         self.variables.calls.leave();
         self.cycle_returns();
     }
 
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(None) };
         let value = self.variables.get(name).or_else(|| self.variables.of_control(name, &*host));
-        Ok(value.filter(|_| Variables::exists(name)).map(|value| eval::given(&value)))
+        Ok(value.filter(|_| QParameterStore::exists(name)).map(|value| eval::given(&value)))
     }
 
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(false) };
         let value = match (value.as_real(), value.as_text()) {
-            (Some(value), _) if value.is_finite() => variables::Value::Number(value),
-            (_, Some(text)) => variables::Value::Text(text.into()),
+            (Some(value), _) if value.is_finite() => variables::ParameterValue::Number(value),
+            (_, Some(text)) => variables::ParameterValue::Text(text.into()),
             _ => return Ok(false),
         };
         host.effect();
@@ -330,9 +346,9 @@ impl Interpreter for Heidenhain {
             + self.cycles.pattern.bytes()) as u64
     }
 
-    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn InterpreterHost, name: &str, values: &[MacroValue]) -> SettingOutcome {
         let made = self.settings.make(name, values);
-        if made == Setting::Made {
+        if made == SettingOutcome::Made {
             // The setting decides which lines are joined, so all lines are read again.
             self.lines.clear();
         }
@@ -341,7 +357,7 @@ impl Interpreter for Heidenhain {
 }
 
 /// A parameter as macros name it: `Q200`, or `Q` with an index apart.
-fn spelled(name: &str, indices: &[f64]) -> Option<formula::Name> {
+fn spelled(name: &str, indices: &[f64]) -> Option<formula::QParameter> {
     let text = match indices {
         [] => name.to_ascii_uppercase(),
         [index] if *index >= 0.0 && index.fract() == 0.0 && *index < 1e9 => {
@@ -349,6 +365,6 @@ fn spelled(name: &str, indices: &[f64]) -> Option<formula::Name> {
         }
         _ => return None,
     };
-    let mut cursor = Cursor::new(&text);
+    let mut cursor = HeidenhainCursor::new(&text);
     formula::parameter(&mut cursor).filter(|_| cursor.is_over())
 }

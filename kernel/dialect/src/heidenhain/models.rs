@@ -9,11 +9,11 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::areas::{Area, Join};
-use super::contours::{Contours, Named, Source};
+use super::areas::{AreaExpression, Join};
+use super::contours::{ContourSource, ContourSubprogram, Contours};
 use super::formula::Formula;
-use super::lex::{self, Cursor};
-use crate::host::Host;
+use super::lex::{self, HeidenhainCursor};
+use crate::host::InterpreterHost;
 
 /// Most contours and joins of a formula, and how deep its brackets may be.
 const MOST: usize = 1000;
@@ -22,16 +22,16 @@ const DEEPEST: usize = 50;
 /// Current values of QC parameters.
 #[derive(Debug, Default)]
 struct Model {
-    areas: Vec<(u32, Area)>,
+    areas: Vec<(u32, AreaExpression)>,
     /// Each with its DEPTH.
     programs: Vec<(String, Option<f64>)>,
-    last: Option<Area>,
+    last: Option<AreaExpression>,
 }
 
 impl Model {
     /// A block of the model.
     fn block(&mut self, text: &str) -> Result<(), String> {
-        let mut cursor = Cursor::new(text);
+        let mut cursor = HeidenhainCursor::new(text);
         if cursor.is_over() || cursor.keyword("BEGIN PGM") || cursor.keyword("END PGM") {
             return Ok(());
         }
@@ -54,7 +54,7 @@ impl Model {
                 false => None,
             };
             self.programs.push((name, depth));
-            Area::Contour(self.programs.len() - 1)
+            AreaExpression::Contour(self.programs.len() - 1)
         } else {
             let area = self.sum(&mut cursor, 0).map_err(|what| wrong(text, what))?;
             self.last = Some(area.clone());
@@ -72,31 +72,31 @@ impl Model {
         Ok(())
     }
 
-    fn sum(&self, cursor: &mut Cursor<'_>, depth: usize) -> Result<Area, &'static str> {
+    fn sum(&self, cursor: &mut HeidenhainCursor<'_>, depth: usize) -> Result<AreaExpression, &'static str> {
         let mut area = self.product(cursor, depth)?;
         while let Some(join) = [(b'|', Join::Union), (b'^', Join::Either), (b'\\', Join::Without)]
             .into_iter()
             .find_map(|(sign, join)| cursor.take(sign).then_some(join))
         {
-            area = Area::Of(join, Box::new(area), Box::new(self.product(cursor, depth)?));
+            area = AreaExpression::Of(join, Box::new(area), Box::new(self.product(cursor, depth)?));
         }
         Ok(area)
     }
 
-    fn product(&self, cursor: &mut Cursor<'_>, depth: usize) -> Result<Area, &'static str> {
+    fn product(&self, cursor: &mut HeidenhainCursor<'_>, depth: usize) -> Result<AreaExpression, &'static str> {
         let mut area = self.operand(cursor, depth)?;
         while cursor.take(b'&') {
-            area = Area::Of(Join::Common, Box::new(area), Box::new(self.operand(cursor, depth)?));
+            area = AreaExpression::Of(Join::Common, Box::new(area), Box::new(self.operand(cursor, depth)?));
         }
         Ok(area)
     }
 
-    fn operand(&self, cursor: &mut Cursor<'_>, depth: usize) -> Result<Area, &'static str> {
+    fn operand(&self, cursor: &mut HeidenhainCursor<'_>, depth: usize) -> Result<AreaExpression, &'static str> {
         if depth > DEEPEST {
             return Err("fewer brackets");
         }
         if cursor.take(b'#') {
-            return self.operand(cursor, depth + 1).map(|area| Area::Outside(Box::new(area)));
+            return self.operand(cursor, depth + 1).map(|area| AreaExpression::Outside(Box::new(area)));
         }
         if cursor.take(b'(') {
             let area = self.sum(cursor, depth + 1)?;
@@ -109,7 +109,7 @@ impl Model {
 }
 
 /// Number of a QC parameter.
-fn number(cursor: &mut Cursor<'_>) -> Option<u32> {
+fn number(cursor: &mut HeidenhainCursor<'_>) -> Option<u32> {
     if cursor.take_text("QC") { cursor.whole() } else { None }
 }
 
@@ -119,7 +119,7 @@ fn wrong(text: &str, expected: &str) -> String {
 
 impl Heidenhain {
     /// SEL CONTOUR.
-    pub(super) fn select_contour(&mut self, host: &mut dyn Host, name: &Formula) -> Result<(), Halt> {
+    pub(super) fn select_contour(&mut self, host: &mut dyn InterpreterHost, name: &Formula) -> Result<(), Halt> {
         let name = self.text(host, name)?;
         let Some((file, _)) = self.find_program(host, &name, false)? else {
             let text = format!("contour program '{name}' not found for '{}'; add it to the job", host.block_text());
@@ -149,7 +149,8 @@ impl Heidenhain {
             );
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
-        let of = |(name, depth)| Named { source: Source::Program(name), is_pocket: Some(true), depth };
+        let of =
+            |(name, depth)| ContourSubprogram { source: ContourSource::Program(name), is_pocket: Some(true), depth };
         let labels = model.programs.into_iter().map(of).collect();
         self.cycles.contours = Contours::joined(labels, formula);
         Ok(())

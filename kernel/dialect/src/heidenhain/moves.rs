@@ -3,7 +3,7 @@
 //! *Invariant:* each move is a block of conversational words, which the machine reads like words of the program.
 
 use super::path::FASTEST;
-use super::words::{LeftBlock, Seen};
+use super::words::{EvaluatedWord, LeftBlock};
 
 /// A feed parameter of this value or more means rapid.
 pub(super) const RAPID: f64 = 99_999.0;
@@ -83,24 +83,25 @@ impl Moves {
 impl MadeMove {
     fn block(self, words: &[Along]) -> LeftBlock {
         let head = match self.kind {
-            MoveKind::Line { .. } => Seen::text("L"),
-            MoveKind::Center => Seen::text("CC"),
-            MoveKind::Circle { .. } => Seen::text("C"),
-            MoveKind::Function(number) => Seen::made("M", f64::from(number)),
+            MoveKind::Line { .. } => EvaluatedWord::text("L"),
+            MoveKind::Center => EvaluatedWord::text("CC"),
+            MoveKind::Circle { .. } => EvaluatedWord::text("C"),
+            MoveKind::Function(number) => EvaluatedWord::made("M", f64::from(number)),
         };
         let rapid = self.feed >= RAPID;
         let more = match self.kind {
             MoveKind::Line { off } => {
-                let feed = if rapid { Seen::text("FMAX") } else { Seen::made("F", self.feed) };
-                [off.then(|| Seen::text("R0")), Some(feed)]
+                let feed = if rapid { EvaluatedWord::text("FMAX") } else { EvaluatedWord::made("F", self.feed) };
+                [off.then(|| EvaluatedWord::text("R0")), Some(feed)]
             }
             // A rapid of the machine is straight.
-            MoveKind::Circle { clockwise } => {
-                [Some(Seen::turn(clockwise)), Some(Seen::made("F", if rapid { FASTEST } else { self.feed }))]
-            }
+            MoveKind::Circle { clockwise } => [
+                Some(EvaluatedWord::turn(clockwise)),
+                Some(EvaluatedWord::made("F", if rapid { FASTEST } else { self.feed })),
+            ],
             MoveKind::Center | MoveKind::Function(_) => [None, None],
         };
-        let words = words.iter().map(|(letter, value)| Seen::made(letter, *value));
+        let words = words.iter().map(|(letter, value)| EvaluatedWord::made(letter, *value));
         std::iter::once(head).chain(words).chain(more.into_iter().flatten()).collect()
     }
 }

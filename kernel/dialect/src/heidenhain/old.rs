@@ -5,7 +5,7 @@
 //! DR+ is 1, DR− is −1. Invariant: a definition says all data, those that it does not have are 0.
 
 use super::path::AXES;
-use super::words::Seen;
+use super::words::EvaluatedWord;
 
 /// System data ID30 by their numbers, from 1.
 pub(super) type Data = [f64; 15];
@@ -44,7 +44,7 @@ fn mills(cycle: u32, line: u32) -> bool {
 }
 
 /// The content of the lines of a definition.
-pub(super) fn data<'s>(cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>, plane: [usize; 2]) -> Data {
+pub(super) fn data<'s>(cycle: u32, lines: impl Iterator<Item = (u32, &'s [EvaluatedWord])>, plane: [usize; 2]) -> Data {
     let mut data = Data::default();
     let own = LINES.iter().find(|(known, _)| *known == cycle).map_or(&[][..], |(_, own)| own);
     for (line, words) in lines {

@@ -4,12 +4,12 @@
 //! completely defined by its words is not changed; others become blocks with positions. Invariant: positions are in the
 //! units of the program, in its frame.
 
-use super::free::Free;
-use super::rates::Rates;
+use super::free::FreeContour;
+use super::rates::ProgrammedFeeds;
 use super::upright::Poles;
-use super::words::{LeftBlock, MADE, Seen, headed};
+use super::words::{EvaluatedWord, LeftBlock, MADE, headed};
 use crate::contour::{PathShape, Point, direction, minus};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -24,7 +24,7 @@ pub(super) type Position = [f64; AXES.len()];
 
 /// Kind of a path block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum PathBlockKind {
     Line,
     /// A line with a direction of the tool and a normal of the surface.
     Space,
@@ -54,7 +54,7 @@ pub(super) enum Shape {
     Iso,
 }
 
-impl Shape {
+impl PathBlockKind {
     /// Key words of the shapes.
     pub(super) const WORDS: [(&'static str, Self); 30] = [
         ("L", Self::Line),
@@ -122,21 +122,21 @@ pub(super) fn axis(name: &str) -> Option<(usize, bool)> {
 
 /// A path block with its values.
 #[derive(Debug, Clone)]
-pub(super) struct Step {
-    pub(super) shape: Shape,
+pub(super) struct PathBlock {
+    pub(super) shape: PathBlockKind,
     pub(super) iso: bool,
-    pub(super) seen: Vec<Seen>,
+    pub(super) seen: Vec<EvaluatedWord>,
     /// Line that it is in.
     pub(super) line: u32,
     /// Number of its block.
     pub(super) number: Option<u32>,
     /// Meaning of FMAX in a circle.
-    pub(super) rapid: Option<Seen>,
+    pub(super) rapid: Option<EvaluatedWord>,
 }
 
 /// A corner that the block before has made room for.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
+pub(super) struct PendingCorner {
     /// Line of the block that makes it.
     pub(super) line: u32,
     pub(super) to: Point,
@@ -149,7 +149,7 @@ pub(super) struct Corner {
 
 /// Radius compensation.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Beside {
+pub(super) struct RadiusCompensation {
     /// The tool goes left of the contour.
     pub(super) is_left: Option<bool>,
     /// The next straight line ends it.
@@ -158,7 +158,7 @@ pub(super) struct Beside {
 
 /// Data of the path.
 #[derive(Debug, Clone)]
-pub(super) struct Path {
+pub(super) struct PathState {
     /// Axes of the working plane.
     pub(super) plane: [usize; 2],
     pub(super) poles: Poles,
@@ -167,21 +167,21 @@ pub(super) struct Path {
     pub(super) clockwise: Option<bool>,
     /// Programmed point, where a corner has led the tool elsewhere.
     pub(super) base: Option<Position>,
-    pub(super) corner: Option<Corner>,
+    pub(super) corner: Option<PendingCorner>,
     /// Motion word of ISO programs.
     pub(super) mode: Option<u32>,
     /// The next block without a motion word has to say it again.
     pub(super) restate: bool,
     /// G91.
     pub(super) increments: bool,
-    pub(super) side: Beside,
-    pub(super) free: Free,
-    pub(super) rates: Rates,
+    pub(super) side: RadiusCompensation,
+    pub(super) free: FreeContour,
+    pub(super) rates: ProgrammedFeeds,
     /// The last element was an arc.
     pub(super) round: bool,
 }
 
-impl Default for Path {
+impl Default for PathState {
     fn default() -> Self {
         Self {
             plane: [0, 1],
@@ -193,21 +193,21 @@ impl Default for Path {
             mode: None,
             restate: false,
             increments: false,
-            side: Beside::default(),
-            free: Free::default(),
-            rates: Rates::default(),
+            side: RadiusCompensation::default(),
+            free: FreeContour::default(),
+            rates: ProgrammedFeeds::default(),
             round: false,
         }
     }
 }
 
 /// A path block at work.
-pub(super) struct Walk<'a> {
-    pub(super) path: &'a mut Path,
-    pub(super) host: &'a mut dyn Host,
-    pub(super) step: &'a Step,
+pub(super) struct PathBuilder<'a> {
+    pub(super) path: &'a mut PathState,
+    pub(super) host: &'a mut dyn InterpreterHost,
+    pub(super) step: &'a PathBlock,
     /// Path blocks that follow.
-    pub(super) ahead: &'a [Step],
+    pub(super) ahead: &'a [PathBlock],
     /// Where the tool is, and where the program is.
     pub(super) actual: Position,
     pub(super) start: Position,
@@ -216,7 +216,7 @@ pub(super) struct Walk<'a> {
 }
 
 /// Where the tool is, in units of the program.
-pub(super) fn actual(host: &dyn Host) -> Position {
+pub(super) fn actual(host: &dyn InterpreterHost) -> Position {
     let mut out = Position::default();
     let factor = host.length_factor();
     for (name, position, _) in host.positions() {
@@ -231,17 +231,22 @@ pub(super) fn actual(host: &dyn Host) -> Position {
 }
 
 /// Executes a path block; returns the remaining blocks.
-pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<LeftBlock>, Halt> {
+pub(super) fn walk(
+    path: &mut PathState,
+    host: &mut dyn InterpreterHost,
+    step: &PathBlock,
+    ahead: &[PathBlock],
+) -> Result<Vec<LeftBlock>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);
-    let mut walk = Walk { path, host, step, ahead, actual, start, refused: None };
+    let mut walk = PathBuilder { path, host, step, ahead, actual, start, refused: None };
     let mut lines = walk.lines()?;
     walk.remember();
     walk.feeds(&mut lines);
     walk.refused.map_or(Ok(lines), Err)
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// Refuses the block: the control raises an alarm if a path block cannot be made.
     pub(super) fn refuse(&mut self, why: &str) {
         if self.refused.is_none() {
@@ -257,38 +262,40 @@ impl Walk<'_> {
             self.refuse("G26 and G27 stand in a block of their own, with R alone");
             return Ok(Vec::new());
         }
-        if step.shape == Shape::FreeSelect {
+        if step.shape == PathBlockKind::FreeSelect {
             self.select();
             return Ok(Vec::new());
         }
-        let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
+        let shape = if step.shape == PathBlockKind::Iso { self.iso_shape() } else { step.shape };
         // Only the next block with motion can make a corner.
-        let corner = if shape == Shape::Iso { None } else { self.path.corner.take() };
+        let corner = if shape == PathBlockKind::Iso { None } else { self.path.corner.take() };
         Ok(match shape {
-            Shape::Line | Shape::Space => self.line(),
-            Shape::Arc | Shape::Radius => self.circle(shape),
-            Shape::Tangent => {
+            PathBlockKind::Line | PathBlockKind::Space => self.line(),
+            PathBlockKind::Arc | PathBlockKind::Radius => self.circle(shape),
+            PathBlockKind::Tangent => {
                 let end = self.target();
                 self.tangent(end)
             }
-            Shape::PolarLine | Shape::PolarArc | Shape::PolarTangent if self.path.poles.upright.is_some() => {
+            PathBlockKind::PolarLine | PathBlockKind::PolarArc | PathBlockKind::PolarTangent
+                if self.path.poles.upright.is_some() =>
+            {
                 self.path.poles.upright.map_or_else(Vec::new, |upright| self.upright_polar(upright, shape))
             }
-            Shape::PolarLine => self.polar_line(),
-            Shape::PolarArc => self.polar_arc(),
-            Shape::PolarTangent => match self.polar_end() {
+            PathBlockKind::PolarLine => self.polar_line(),
+            PathBlockKind::PolarArc => self.polar_arc(),
+            PathBlockKind::PolarTangent => match self.polar_end() {
                 Some((end, _)) => self.tangent(end),
                 None => Vec::new(),
             },
-            Shape::Pole => self.pole(),
-            Shape::Chamfer | Shape::Round => self.corner(corner),
-            Shape::Approach(way) => self.approach(way),
-            Shape::Depart(way) => self.depart(way),
-            Shape::FreePole => self.free_pole(),
-            Shape::FreeSelect => Vec::new(),
-            Shape::FreeLine { tangent } => self.free_line(tangent)?,
-            Shape::FreeArc { tangent } => self.free_arc(tangent)?,
-            Shape::Iso => vec![self.verbatim(Vec::new())],
+            PathBlockKind::Pole => self.pole(),
+            PathBlockKind::Chamfer | PathBlockKind::Round => self.corner(corner),
+            PathBlockKind::Approach(way) => self.approach(way),
+            PathBlockKind::Depart(way) => self.depart(way),
+            PathBlockKind::FreePole => self.free_pole(),
+            PathBlockKind::FreeSelect => Vec::new(),
+            PathBlockKind::FreeLine { tangent } => self.free_line(tangent)?,
+            PathBlockKind::FreeArc { tangent } => self.free_arc(tangent)?,
+            PathBlockKind::Iso => vec![self.verbatim(Vec::new())],
         })
     }
 
@@ -312,18 +319,20 @@ impl Walk<'_> {
     }
 
     /// The block as it is, with words of the pre-processor after.
-    pub(super) fn verbatim(&mut self, more: Vec<Seen>) -> LeftBlock {
+    pub(super) fn verbatim(&mut self, more: Vec<EvaluatedWord>) -> LeftBlock {
         let mut head = self.step.shape.head();
         let mut own = None;
         let has_motion = self.step.seen.iter().any(|word| {
             word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16))
         });
         let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
-        if self.step.shape == Shape::Iso && !has_motion && moves {
+        if self.step.shape == PathBlockKind::Iso && !has_motion && moves {
             match self.path.mode {
                 // Axis words of a conversational block without a keyword are a straight line.
                 None => head = self.line_code(),
-                Some(mode) if self.path.restate => own = Some(Seen::made("G", f64::from(self.plain_mode(mode)))),
+                Some(mode) if self.path.restate => {
+                    own = Some(EvaluatedWord::made("G", f64::from(self.plain_mode(mode))))
+                }
                 Some(_) => {}
             }
         }
@@ -356,7 +365,7 @@ impl Walk<'_> {
     }
 
     /// Where the words of a block lead to from a point.
-    pub(super) fn target_of(&self, seen: &[Seen], start: &Position) -> Position {
+    pub(super) fn target_of(&self, seen: &[EvaluatedWord], start: &Position) -> Position {
         let mut end = *start;
         // The words of a later block decide whether it counts in increments.
         let own = seen.iter().rfind(|word| word.is("G") && matches!(word.value, Some(90.0 | 91.0)));
@@ -388,33 +397,37 @@ impl Walk<'_> {
     }
 
     /// Words of the plane and of the axes that the block names, for a position.
-    pub(super) fn positions(&self, from: &Position, to: &Position) -> Vec<Seen> {
+    pub(super) fn positions(&self, from: &Position, to: &Position) -> Vec<EvaluatedWord> {
         let coded = self.coded();
         let mut out = Vec::new();
         for (at, letter) in AXES.iter().enumerate() {
             if coded.get(at) == Some(&true) || self.path.plane.contains(&at) {
                 let (Some(from), Some(to)) = (from.get(at), to.get(at)) else { continue };
-                let named = |word: &&Seen| word.value.is_some() && axis(&word.name).is_some_and(|(own, _)| own == at);
+                let named =
+                    |word: &&EvaluatedWord| word.value.is_some() && axis(&word.name).is_some_and(|(own, _)| own == at);
                 let span = self.step.seen.iter().find(named).map_or(MADE, |word| word.span);
-                out.push(Seen { span, ..Seen::made(letter, if self.path.increments { to - from } else { *to }) });
+                out.push(EvaluatedWord {
+                    span,
+                    ..EvaluatedWord::made(letter, if self.path.increments { to - from } else { *to })
+                });
             }
         }
         out
     }
 
     /// Words of the block that are neither positions nor used by the pre-processor.
-    pub(super) fn others(&self, used: &[&str]) -> Vec<Seen> {
-        let motion = |word: &Seen| {
+    pub(super) fn others(&self, used: &[&str]) -> Vec<EvaluatedWord> {
+        let motion = |word: &EvaluatedWord| {
             word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16 | 24..=29))
         };
-        let position = |word: &Seen| word.value.is_some() && axis(&word.name).is_some();
-        let is_used = |word: &Seen| used.contains(&&*word.name);
+        let position = |word: &EvaluatedWord| word.value.is_some() && axis(&word.name).is_some();
+        let is_used = |word: &EvaluatedWord| used.contains(&&*word.name);
         let seen = self.step.seen.iter();
         seen.filter(|word| !motion(word) && !position(word) && !is_used(word)).cloned().collect()
     }
 
     /// A straight line to a position.
-    pub(super) fn straight(&mut self, to: &Position, others: Vec<Seen>) -> LeftBlock {
+    pub(super) fn straight(&mut self, to: &Position, others: Vec<EvaluatedWord>) -> LeftBlock {
         let code = self.line_code();
         self.path.restate = true;
         let words = self.positions(&self.actual, to);
@@ -450,7 +463,7 @@ impl Walk<'_> {
             && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.is_off())
             && !self.step.iso
         {
-            line.push(Seen::text("R0"));
+            line.push(EvaluatedWord::text("R0"));
         }
         vec![line]
     }

@@ -10,13 +10,13 @@
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::calls::{SECOND_CLEARANCE, Way};
+use super::calls::{CallApproach, SECOND_CLEARANCE};
 use super::eval::Evaluator;
-use super::formula::{Kind, Name};
+use super::formula::{ParameterKind, QParameter};
 use super::path::{AXES, actual};
-use super::words::{LeftBlock, Seen, Word, headed};
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, headed};
 use crate::contour::{Point, along, towards};
-use crate::host::{Host, Place};
+use crate::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 
@@ -25,7 +25,7 @@ const MOST: usize = 10_000;
 
 /// A point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spot {
+pub(super) struct PatternPoint {
     /// Its place in the plane.
     pub(super) at: Point,
     /// How much its surface lies above Q203.
@@ -36,7 +36,7 @@ pub(super) struct Spot {
 
 /// A call that is at work.
 #[derive(Debug, Clone, Copy)]
-struct Call {
+struct PatternCall {
     /// Its block.
     at: (FileId, u32),
     /// Point that comes next.
@@ -47,31 +47,31 @@ struct Call {
 
 /// The points of the last definition or table, and of a cycle that is at work.
 #[derive(Debug, Default)]
-pub(super) struct Pattern {
-    spots: Vec<Spot>,
-    of_cycle: Vec<Spot>,
-    call: Option<Call>,
+pub(super) struct PointPattern {
+    spots: Vec<PatternPoint>,
+    of_cycle: Vec<PatternPoint>,
+    call: Option<PatternCall>,
 }
 
-impl Pattern {
+impl PointPattern {
     /// The points of calls to come.
-    pub(super) fn define(&mut self, spots: Vec<Spot>) {
+    pub(super) fn define(&mut self, spots: Vec<PatternPoint>) {
         *self = Self { spots, ..Self::default() };
     }
 
     /// Bytes that it takes, about.
     pub(super) fn bytes(&self) -> usize {
-        (self.spots.len() + self.of_cycle.len()) * size_of::<Spot>()
+        (self.spots.len() + self.of_cycle.len()) * size_of::<PatternPoint>()
     }
 }
 
 /// Values of a figure of a definition.
-struct Figure<'s> {
+struct PatternElement<'s> {
     name: &'s str,
-    words: &'s [Seen],
+    words: &'s [EvaluatedWord],
 }
 
-impl Figure<'_> {
+impl PatternElement<'_> {
     fn value(&self, name: &str) -> Option<f64> {
         self.words.iter().find(|word| word.is(name)).and_then(|word| word.value)
     }
@@ -110,7 +110,7 @@ impl Figure<'_> {
                 let (columns, rows) = (self.count("NUMX")?, self.count("NUMY")?);
                 let turn = self.or_zero("ROT");
                 let sides = [towards(turn + self.or_zero("ROTX")), towards(turn + self.or_zero("ROTY") + 90.0)];
-                let grid = Grid { start, sides, steps: [self.or_zero("DX"), self.or_zero("DY")], columns, rows };
+                let grid = PointGrid { start, sides, steps: [self.or_zero("DX"), self.or_zero("DY")], columns, rows };
                 if self.name == "PAT" { grid.rows()? } else { grid.frame() }
             }
             "CIRC" => {
@@ -124,7 +124,7 @@ impl Figure<'_> {
 }
 
 /// Points in columns and rows.
-struct Grid {
+struct PointGrid {
     start: Point,
     sides: [Point; 2],
     steps: [f64; 2],
@@ -132,7 +132,7 @@ struct Grid {
     rows: usize,
 }
 
-impl Grid {
+impl PointGrid {
     fn spot(&self, column: usize, row: usize) -> Point {
         let across = along(self.start, self.sides[0], self.steps[0] * column as f64);
         along(across, self.sides[1], self.steps[1] * row as f64)
@@ -166,13 +166,13 @@ impl Grid {
 /// How the tool goes from point to point.
 struct Journey<'s> {
     program: &'s str,
-    way: Way,
+    way: CallApproach,
     /// Heights above the surface: before the first point and between points.
     clearances: [f64; 2],
     /// The cycle ends at the first clearance, but at the last point.
     stays_low: bool,
     /// Functions of the block.
-    functions: &'s [Seen],
+    functions: &'s [EvaluatedWord],
     of_cycle: bool,
     /// The path to each point except the first is a circle: the block of the centre, and the words after the point.
     round: Option<[LeftBlock; 2]>,
@@ -190,18 +190,22 @@ impl Heidenhain {
     }
 
     /// PATTERN DEF.
-    pub(super) fn define_pattern(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
+    pub(super) fn define_pattern(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<(), Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         let (letters, height) = (self.plane_letters(), self.tool_letter());
-        self.cycles.pattern = Pattern::default();
-        let mut spots: Vec<Spot> = Vec::new();
+        self.cycles.pattern = PointPattern::default();
+        let mut spots: Vec<PatternPoint> = Vec::new();
         // Behind `PATTERN DEF`: a name, its words in brackets.
         let mut rest = seen.get(2..).unwrap_or_default();
         while let Some((head, behind)) = rest.split_first() {
             let end = behind.iter().position(|word| word.is(")"));
             let figure = behind.first().filter(|word| word.is("(")).zip(end).map(|(_, end)| {
                 let words = behind.get(1..end).unwrap_or_default();
-                (Figure { name: &head.name, words }, end)
+                (PatternElement { name: &head.name, words }, end)
             });
             let before = spots.last().map_or([0.0; 2], |spot| spot.at);
             let made = figure.and_then(|(figure, end)| {
@@ -212,7 +216,7 @@ impl Heidenhain {
             let Some((points, surface, end)) = fits else {
                 return Err(self.not_understood(host));
             };
-            spots.extend(points.into_iter().map(|at| Spot { at, above: surface, clearance: None }));
+            spots.extend(points.into_iter().map(|at| PatternPoint { at, above: surface, clearance: None }));
             rest = behind.get(end + 1..).unwrap_or_default();
         }
         self.cycles.pattern.define(spots);
@@ -223,12 +227,12 @@ impl Heidenhain {
     /// there are no points or the block cannot run once more.
     pub(super) fn call_at_pattern(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         program: &str,
-        seen: &[Seen],
-        place: Place,
+        seen: &[EvaluatedWord],
+        place: ProgramPlace,
     ) -> Result<Option<Vec<LeftBlock>>, Halt> {
-        let way = Way::of(host, seen);
+        let way = CallApproach::of(host, seen);
         let clearances = [self.second_clearance(); 2];
         self.next_point(
             host,
@@ -240,9 +244,9 @@ impl Heidenhain {
     /// Cycles 220 and 221: the same for the cycle defined before them.
     pub(super) fn point_cycle(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         number: u32,
-        place: Place,
+        place: ProgramPlace,
     ) -> Result<Vec<LeftBlock>, Halt> {
         let Some(program) = self.cycles.defined.program.clone() else {
             let text = format!("no cycle is defined for the points of '{}'; define one before it", host.block_text());
@@ -255,7 +259,7 @@ impl Heidenhain {
                 return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             };
             self.cycles.pattern.of_cycle =
-                spots.into_iter().map(|at| Spot { at, above: 0.0, clearance: None }).collect();
+                spots.into_iter().map(|at| PatternPoint { at, above: 0.0, clearance: None }).collect();
         }
         let round = match number == 220 && self.q(365) == 1.0 {
             true => Some(self.round_the_circle(host)?),
@@ -264,7 +268,7 @@ impl Heidenhain {
         let low = self.q(301) == 0.0;
         let second = self.second_clearance();
         let clearances = [second, if low { self.q(200) } else { second }];
-        let way = Way::of(host, &[]);
+        let way = CallApproach::of(host, &[]);
         let journey =
             Journey { program: &program, way, clearances, stays_low: low, functions: &[], of_cycle: true, round };
         Ok(self.next_point(host, &journey, place)?.unwrap_or_default())
@@ -272,7 +276,7 @@ impl Heidenhain {
 
     /// A Q parameter of the program.
     fn q(&self, index: u32) -> f64 {
-        self.number(Name { kind: Kind::Q, index })
+        self.number(QParameter { kind: ParameterKind::Q, index })
     }
 
     fn points(&self, index: u32) -> Option<usize> {
@@ -292,12 +296,12 @@ impl Heidenhain {
     }
 
     /// The path from point to point of cycle 220 on the circle itself: its centre, its angle, and its feed.
-    fn round_the_circle(&self, host: &mut dyn Host) -> Result<[LeftBlock; 2], Halt> {
+    fn round_the_circle(&self, host: &mut dyn InterpreterHost) -> Result<[LeftBlock; 2], Halt> {
         let [first, second] = self.plane_letters();
         let [first_angle, last_angle, step] = [245, 246, 247].map(|index| self.q(index));
         let turns = if step == 0.0 { last_angle - first_angle } else { step };
-        let center = headed("CC", [Seen::made(first, self.q(216)), Seen::made(second, self.q(217))]);
-        Ok([center, vec![Seen::turn(turns < 0.0), self.circle_rate(host)?]])
+        let center = headed("CC", [EvaluatedWord::made(first, self.q(216)), EvaluatedWord::made(second, self.q(217))]);
+        Ok([center, vec![EvaluatedWord::turn(turns < 0.0), self.circle_rate(host)?]])
     }
 
     /// Points of cycle 221.
@@ -305,22 +309,22 @@ impl Heidenhain {
         let turn = self.q(224);
         let sides = [towards(turn), towards(turn + 90.0)];
         let (columns, rows) = (self.points(242)?, self.points(243)?);
-        Grid { start: [self.q(225), self.q(226)], sides, steps: [self.q(237), self.q(238)], columns, rows }.rows()
+        PointGrid { start: [self.q(225), self.q(226)], sides, steps: [self.q(237), self.q(238)], columns, rows }.rows()
     }
 
     /// The path to the next point and the call there.
     fn next_point(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         journey: &Journey<'_>,
-        place: Place,
+        place: ProgramPlace,
     ) -> Result<Option<Vec<LeftBlock>>, Halt> {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let stands = actual(host).get(along).copied().unwrap_or(0.0);
         let here = (place.file, place.line);
         let call = self.cycles.pattern.call.take().filter(|call| call.at == here);
         let height = if journey.of_cycle { f64::NEG_INFINITY } else { stands };
-        let call = call.unwrap_or(Call { at: here, next: 0, height });
+        let call = call.unwrap_or(PatternCall { at: here, next: 0, height });
         let pattern = &self.cycles.pattern;
         let spots = if journey.of_cycle { &pattern.of_cycle } else { &pattern.spots };
         let Some(&spot) = spots.get(call.next).filter(|_| place.as_read) else { return Ok(None) };
@@ -332,10 +336,10 @@ impl Heidenhain {
         let way = &journey.way;
         let mut blocks = Vec::new();
         if stands < safe {
-            blocks.push(way.block([Seen::made(self.tool_letter(), safe)], true));
+            blocks.push(way.block([EvaluatedWord::made(self.tool_letter(), safe)], true));
         }
         let [first, second] = self.plane_letters();
-        let mut words = vec![Seen::made(first, spot.at[0]), Seen::made(second, spot.at[1])];
+        let mut words = vec![EvaluatedWord::made(first, spot.at[0]), EvaluatedWord::made(second, spot.at[1])];
         // Functions of the block act at its beginning.
         words.extend(journey.functions.iter().filter(|word| call.next == 0 && word.is("M")).cloned());
         match journey.round.as_ref().filter(|_| call.next > 0) {
@@ -353,7 +357,7 @@ impl Heidenhain {
             self.for_this_call(SECOND_CLEARANCE, 0.0);
         }
         if !is_last {
-            self.cycles.pattern.call = Some(Call { next: call.next + 1, ..call });
+            self.cycles.pattern.call = Some(PatternCall { next: call.next + 1, ..call });
             self.lines.keeping = true;
             host.effect();
             host.go_to(place.line)?;

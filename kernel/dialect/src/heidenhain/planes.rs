@@ -11,12 +11,12 @@ use counterpoint_fault::Halt;
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes;
-use super::formula::{Kind, Name};
+use super::formula::{ParameterKind, QParameter};
 use super::path::{AXES, axis};
 use super::shifts::{SPACE, Shifts, cycle};
-use super::variables::Value;
-use super::words::{LeftBlock, Seen, Word, headed};
-use crate::host::Host;
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, headed};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// The remains of planes.
@@ -40,8 +40,8 @@ fn point_word(point: f64, axis: &str) -> Option<String> {
 }
 
 /// `P1X+0` is read as two words.
-fn points(seen: Vec<Seen>) -> Vec<Seen> {
-    let mut out: Vec<Seen> = Vec::with_capacity(seen.len());
+fn points(seen: Vec<EvaluatedWord>) -> Vec<EvaluatedWord> {
+    let mut out: Vec<EvaluatedWord> = Vec::with_capacity(seen.len());
     for word in seen {
         let name = out.last().filter(|last| last.is("P")).and_then(|last| point_word(last.value?, &word.name));
         match (name, word.value) {
@@ -57,7 +57,11 @@ fn points(seen: Vec<Seen>) -> Vec<Seen> {
 
 impl Heidenhain {
     /// PLANE: the remaining words.
-    pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn plane(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         if !seen.iter().any(|word| BEHAVIOUR.iter().any(|name| word.is(name))) {
             let text = format!("PLANE needs MOVE, TURN or STAY in '{}'", host.block_text());
@@ -66,10 +70,11 @@ impl Heidenhain {
         if seen.iter().any(|word| word.is("POINTS")) {
             seen = points(seen);
         }
-        let max = |pair: &[Seen]| matches!(pair, [way, max] if way.is("MB") && way.value.is_none() && max.is("MAX"));
+        let max =
+            |pair: &[EvaluatedWord]| matches!(pair, [way, max] if way.is("MB") && way.value.is_none() && max.is("MAX"));
         if let Some(at) = seen.windows(2).position(max) {
             // Up to the end of travel.
-            seen.splice(at..at + 2, [Seen::made("MB", -1.0)]);
+            seen.splice(at..at + 2, [EvaluatedWord::made("MB", -1.0)]);
         }
         let resets = seen.iter().any(|word| word.is("RESET"));
         if resets {
@@ -80,7 +85,7 @@ impl Heidenhain {
     }
 
     /// Cycle 7 in a plane: a shift of 0 takes that of before away too, which comes back with no PLANE RESET.
-    pub(super) fn take_shifts(&mut self, seen: &[Seen]) {
+    pub(super) fn take_shifts(&mut self, seen: &[EvaluatedWord]) {
         let Some(before) = &mut self.planes.before else { return };
         for word in seen.iter().filter(|word| word.value == Some(0.0)) {
             let Some((at, false)) = axis(&word.name).filter(|(at, _)| *at < SPACE) else { continue };
@@ -103,7 +108,7 @@ impl Heidenhain {
             }
             if taken != 0 {
                 let axes = AXES.iter().enumerate().filter(|(at, _)| taken & 1 << at != 0);
-                return Some(cycle(7, axes.map(|(_, letter)| Seen::made(letter, 0.0))));
+                return Some(cycle(7, axes.map(|(_, letter)| EvaluatedWord::made(letter, 0.0))));
             }
         } else {
             let before = std::mem::take(&mut self.shifts);
@@ -116,7 +121,7 @@ impl Heidenhain {
     }
 
     /// Cycle 19 as the PLANE function that it is; none where the machine has none.
-    pub(super) fn plane_cycle(&mut self, host: &dyn Host, seen: &[Seen]) -> Option<Vec<LeftBlock>> {
+    pub(super) fn plane_cycle(&mut self, host: &dyn InterpreterHost, seen: &[EvaluatedWord]) -> Option<Vec<LeftBlock>> {
         let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
         let angles = ["A", "B", "C"].map(value);
         let ends = angles.iter().all(Option::is_none);
@@ -128,19 +133,20 @@ impl Heidenhain {
             return Some(std::iter::once(headed("PLANE RESET STAY", [])).chain(taken).collect());
         }
         let words = ["SPA", "SPB", "SPC"].into_iter().zip(angles);
-        let mut plane = headed("PLANE SPATIAL", words.map(|(name, angle)| Seen::made(name, angle.unwrap_or(0.0))));
+        let mut plane =
+            headed("PLANE SPATIAL", words.map(|(name, angle)| EvaluatedWord::made(name, angle.unwrap_or(0.0))));
         match seen.iter().find(|word| word.is("F") || word.is("FMAX")) {
-            None => plane.push(Seen::text("STAY")),
+            None => plane.push(EvaluatedWord::text("STAY")),
             Some(feed) => {
-                let back = Seen::made("DIST", value("DIST").unwrap_or(0.0));
-                plane.extend([Seen::text("MOVE"), back, feed.clone()]);
+                let back = EvaluatedWord::made("DIST", value("DIST").unwrap_or(0.0));
+                plane.extend([EvaluatedWord::text("MOVE"), back, feed.clone()]);
             }
         }
         Some(vec![plane])
     }
 
     /// Q120 to Q122 after a plane: the positions of A, B and C that turn into it.
-    pub(super) fn plane_angles(&mut self, host: &dyn Host) {
+    pub(super) fn plane_angles(&mut self, host: &dyn InterpreterHost) {
         if !std::mem::take(&mut self.planes.asked) {
             return;
         }
@@ -148,7 +154,7 @@ impl Heidenhain {
         for (index, letter) in (120..).zip(["A", "B", "C"]) {
             let angle =
                 angles.iter().find(|(name, _)| name.eq_ignore_ascii_case(letter)).map_or(0.0, |(_, angle)| *angle);
-            self.variables.set(Name { kind: Kind::Q, index }, Value::Number(angle));
+            self.variables.set(QParameter { kind: ParameterKind::Q, index }, ParameterValue::Number(angle));
         }
     }
 }

@@ -3,14 +3,14 @@
 //! Facts: programming manuals of the control (LP, CP, CTP; G10 to G16). Decision: circles of more than 270 degrees are
 //! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
 
-use super::path::{Position, Walk};
+use super::path::{PathBuilder, Position};
 use super::words::{LeftBlock, headed};
-use crate::contour::{Point, Polar, angle_between, minus, pieces};
+use crate::contour::{Point, PolarPoint, angle_between, minus, pieces};
 
 /// Largest arc of a circle about the pole that is made in one piece, degrees.
 const LARGEST: f64 = 270.0;
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];
 
     /// End of a block in polar coordinates, and the angle that the tool goes around the pole if the block gives it.
@@ -28,7 +28,7 @@ impl Walk<'_> {
             self.refuse("polar coordinates have no pole (CC)");
             return None;
         };
-        let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(&self.start));
+        let PolarPoint { mut radius, mut angle } = PolarPoint::of(pole, self.flat(&self.start));
         let mut sweep = None;
         for word in &self.step.seen {
             let Some(value) = word.value else { continue };
@@ -47,7 +47,7 @@ impl Walk<'_> {
             }
         }
         let mut end = self.target();
-        self.put(&mut end, Polar { radius, angle }.point(pole));
+        self.put(&mut end, PolarPoint { radius, angle }.point(pole));
         Some((end, sweep))
     }
 
@@ -89,10 +89,10 @@ impl Walk<'_> {
         if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
             self.refuse("the polar angle and the direction of rotation contradict each other");
         }
-        let Polar { radius, angle: from } = Polar::of(pole, start);
+        let PolarPoint { radius, angle: from } = PolarPoint::of(pole, start);
         let turned = match sweep {
             Some(sweep) => sweep.abs(),
-            None => angle_between(from, Polar::of(pole, self.flat(&end)).angle, clockwise),
+            None => angle_between(from, PolarPoint::of(pole, self.flat(&end)).angle, clockwise),
         };
         if !(0.0..=360.0 * 1000.0).contains(&turned) || radius == 0.0 {
             self.refuse("a circle has no radius or more than 1000 turns");
@@ -101,7 +101,7 @@ impl Walk<'_> {
         let own = crate::contour::arc(self.flat(&self.actual), self.flat(&end), pole, clockwise);
         let mut turned = turned;
         if let Some(corner) = self.corner_ahead(own, &end).filter(|_| turned <= 360.0) {
-            turned = angle_between(from, Polar::of(pole, corner).angle, clockwise);
+            turned = angle_between(from, PolarPoint::of(pole, corner).angle, clockwise);
             self.path.base = Some(end);
         }
         let (begin, mut lines, mut last) = (self.actual, Vec::new(), self.actual);
@@ -111,7 +111,7 @@ impl Walk<'_> {
             for ((slot, from), end) in to.iter_mut().zip(&begin).zip(&end) {
                 *slot = if part == 1.0 { *end } else { from + (end - from) * part };
             }
-            self.put(&mut to, Polar { radius, angle }.point(pole));
+            self.put(&mut to, PolarPoint { radius, angle }.point(pole));
             let (code, sign) = self.circle_code("C", clockwise);
             let mut words = self.positions(&last, &to);
             words.extend(sign);

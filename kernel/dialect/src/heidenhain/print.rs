@@ -7,10 +7,10 @@
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::operand;
-use super::lex::{Cursor, capitals};
-use super::variables::Value;
+use super::lex::{HeidenhainCursor, capitals};
+use super::variables::ParameterValue;
 use super::words::shown;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -19,8 +19,8 @@ const WIDEST: usize = 500;
 
 impl Heidenhain {
     /// `/"text %F" / Q1 / Q2`, or values alone.
-    pub(super) fn send(&mut self, host: &mut dyn Host, text: &str) -> Result<(), Halt> {
-        let mut cursor = Cursor::new(text);
+    pub(super) fn send(&mut self, host: &mut dyn InterpreterHost, text: &str) -> Result<(), Halt> {
+        let mut cursor = HeidenhainCursor::new(text);
         cursor.take_text("P01");
         cursor.take(b'/');
         let mut parts = Vec::new();
@@ -39,7 +39,7 @@ impl Heidenhain {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let values = parts.iter().map(|part| evaluator.value(part)).collect::<Result<Vec<_>, _>>()?;
         let line = match values.split_first() {
-            Some((Value::Text(format), rest)) => formatted(format, rest),
+            Some((ParameterValue::Text(format), rest)) => formatted(format, rest),
             _ => values.iter().map(plain).collect::<Vec<_>>().join(" "),
         };
         host.show(&line);
@@ -47,7 +47,7 @@ impl Heidenhain {
     }
 
     /// A mask: `MASK.A / OUT.TXT`.
-    pub(super) fn print(&mut self, host: &mut dyn Host, text: &str) -> Result<(), Halt> {
+    pub(super) fn print(&mut self, host: &mut dyn InterpreterHost, text: &str) -> Result<(), Halt> {
         // Paths have strokes of their own, the output is after one between blanks or after the last one.
         let (mask, _) = text.split_once(" /").or_else(|| text.rsplit_once('/')).unwrap_or((text, ""));
         let mask = mask.trim().trim_matches('"');
@@ -63,7 +63,7 @@ impl Heidenhain {
             if !text.starts_with('"') {
                 continue;
             }
-            let mut cursor = Cursor::new(text);
+            let mut cursor = HeidenhainCursor::new(text);
             let format = cursor.quoted().unwrap_or_default().to_owned();
             let mut values = Vec::new();
             while cursor.take(b',') {
@@ -71,7 +71,7 @@ impl Heidenhain {
                     Ok(formula) => values.push(Evaluator::new(&mut self.variables, host).value(&formula)?),
                     Err(_) => {
                         cursor.letters();
-                        values.push(Value::Number(0.0));
+                        values.push(ParameterValue::Number(0.0));
                     }
                 }
             }
@@ -81,15 +81,15 @@ impl Heidenhain {
     }
 }
 
-fn plain(value: &Value) -> String {
+fn plain(value: &ParameterValue) -> String {
     match value {
-        Value::Number(value) => shown(*value),
-        Value::Text(text) => text.to_string(),
+        ParameterValue::Number(value) => shown(*value),
+        ParameterValue::Text(text) => text.to_string(),
     }
 }
 
 /// Fills values into a format.
-fn formatted(format: &str, values: &[Value]) -> String {
+fn formatted(format: &str, values: &[ParameterValue]) -> String {
     let (mut out, mut values) = (String::new(), values.iter());
     let mut rest = format;
     while let Some((before, behind)) = rest.split_once('%') {
@@ -110,12 +110,12 @@ fn formatted(format: &str, values: &[Value]) -> String {
         let places = places.parse::<usize>().ok().map(|places| places.min(20));
         let field = match (kind, values.next()) {
             (_, None) => String::new(),
-            ("d" | "D" | "i" | "I", Some(Value::Number(value))) => format!("{}", value.trunc() + 0.0),
-            (_, Some(Value::Number(value))) => match places {
+            ("d" | "D" | "i" | "I", Some(ParameterValue::Number(value))) => format!("{}", value.trunc() + 0.0),
+            (_, Some(ParameterValue::Number(value))) => match places {
                 Some(places) => format!("{:.places$}", value + 0.0),
                 None => shown(*value),
             },
-            (_, Some(Value::Text(text))) => text.to_string(),
+            (_, Some(ParameterValue::Text(text))) => text.to_string(),
         };
         let field = if flags.contains('+') && !field.starts_with('-') { format!("+{field}") } else { field };
         out.push_str(&match flags.contains('-') {
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn formats_take_values_in_order() {
-        let values = [Value::Number(1.5), Value::Text("A".into()), Value::Number(-7.9)];
+        let values = [ParameterValue::Number(1.5), ParameterValue::Text("A".into()), ParameterValue::Number(-7.9)];
         assert_eq!(formatted("x=%6.2F|%-3S|%D|%F 5%%", &values), "x=  1.50|A  |-7| 5%");
         assert_eq!(formatted("%", &[]), "");
         assert_eq!(formatted("100%é", &[]), "100");

@@ -3,26 +3,26 @@
 //! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a
 //! corner ends with it; the feed before it returns in the next block that moves.
 
-use super::path::{Shape, Walk, axis};
-use super::words::{LeftBlock, Seen};
+use super::path::{PathBlockKind, PathBuilder, axis};
+use super::words::{EvaluatedWord, LeftBlock};
 
 /// Feeds that a program has given.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rates {
+pub(super) struct ProgrammedFeeds {
     /// The last one, as written.
-    pub(super) last: Option<Seen>,
+    pub(super) last: Option<EvaluatedWord>,
     /// That of TOOL CALL.
-    pub(super) of_tool: Option<Seen>,
+    pub(super) of_tool: Option<EvaluatedWord>,
     /// A corner had a feed of its own.
     pub(super) gives_back: bool,
     /// The block before was at rapid.
     pub(super) rapid_before: bool,
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// Feeds of the lines: that of TOOL CALL, and the feed before a corner with its own.
     pub(super) fn feeds(&mut self, lines: &mut [LeftBlock]) {
-        let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
+        let is_corner = matches!(self.step.shape, PathBlockKind::Chamfer | PathBlockKind::Round);
         let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());
         let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
         let has = own.is_some() || self.step.seen.iter().any(|word| word.is("FAUTO") || word.is("FMAX"));
@@ -37,8 +37,8 @@ impl Walk<'_> {
             None => {}
         }
         let positions = match self.step.shape {
-            Shape::Pole | Shape::FreePole | Shape::FreeSelect => false,
-            Shape::Line | Shape::Iso | Shape::Chamfer | Shape::Round => moves,
+            PathBlockKind::Pole | PathBlockKind::FreePole | PathBlockKind::FreeSelect => false,
+            PathBlockKind::Line | PathBlockKind::Iso | PathBlockKind::Chamfer | PathBlockKind::Round => moves,
             _ => true,
         };
         if positions {
@@ -57,7 +57,7 @@ impl Walk<'_> {
                 self.refuse("F AUTO needs a feed in TOOL CALL");
             }
             for line in lines {
-                let from_tool = |word: Seen| if word.is("FAUTO") { feed.clone() } else { Some(word) };
+                let from_tool = |word: EvaluatedWord| if word.is("FAUTO") { feed.clone() } else { Some(word) };
                 *line = std::mem::take(line).into_iter().filter_map(from_tool).collect();
             }
             self.path.rates.last = feed;

@@ -5,14 +5,14 @@
 //! in its block where a register of the machine takes them, until KEEPCYCLDEFQVARS says all or none. Invariant: a
 //! setting that cannot be made changes nothing.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use crate::interpreter::Setting;
+use crate::interpreter::SettingOutcome;
 use counterpoint_machine::stored::StoredFile;
 
 /// Settings of a kernel.
 #[derive(Debug)]
-pub(super) struct Settings {
+pub(super) struct HeidenhainSettings {
     /// Blocks that end in `~` continue in the next line.
     pub(super) joins: bool,
     /// All parameters of a cycle stay in its block, or none; by default those that a register takes.
@@ -27,7 +27,7 @@ pub(super) struct Settings {
     pub(super) iso: Option<bool>,
 }
 
-impl Default for Settings {
+impl Default for HeidenhainSettings {
     fn default() -> Self {
         Self {
             joins: true,
@@ -40,10 +40,10 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
-    pub(super) fn make(&mut self, name: &str, values: &[Value]) -> Setting {
-        let logical = values.first().and_then(Value::as_logical).filter(|_| values.len() == 1);
-        let text = values.first().and_then(Value::as_text).filter(|_| values.len() == 1);
+impl HeidenhainSettings {
+    pub(super) fn make(&mut self, name: &str, values: &[MacroValue]) -> SettingOutcome {
+        let logical = values.first().and_then(MacroValue::as_logical).filter(|_| values.len() == 1);
+        let text = values.first().and_then(MacroValue::as_text).filter(|_| values.len() == 1);
         let made = match name {
             "CONCATENATE" => logical.map(|on| self.joins = on),
             "KEEPCYCLDEFQVARS" => logical.map(|on| self.keeps = Some(on)),
@@ -60,19 +60,19 @@ impl Settings {
                 .map(|iso| self.iso = Some(iso)),
             "CYCLEDEF" => cycles(values).map(|cycles| self.cycles = cycles),
             "SPINDLECYCLES" => cycles(values).map(|cycles| self.spindle_cycles = cycles),
-            _ => return Setting::Unknown,
+            _ => return SettingOutcome::Unknown,
         };
-        if made.is_some() { Setting::Made } else { Setting::Wrong }
+        if made.is_some() { SettingOutcome::Made } else { SettingOutcome::Wrong }
     }
 }
 
 /// Numbers of cycles: a sequence, or one after the other.
-fn cycles(values: &[Value]) -> Option<Vec<u32>> {
+fn cycles(values: &[MacroValue]) -> Option<Vec<u32>> {
     let mut out = Vec::new();
     for value in values {
         let several;
         let numbers = match value {
-            Value::Sequence(sequence) => sequence.as_slice(),
+            MacroValue::Sequence(sequence) => sequence.as_slice(),
             other => {
                 several = [other.clone()];
                 &several

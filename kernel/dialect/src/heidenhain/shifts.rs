@@ -7,8 +7,8 @@
 //! of a mirror or scale.
 
 use super::path::{AXES, axis};
-use super::words::{LeftBlock, Rest, Seen, shown};
-use crate::host::Host;
+use super::words::{EvaluatedWord, LeftBlock, Rest, shown};
+use crate::host::InterpreterHost;
 
 /// X, Y and Z come first; every other axis has its own shift, mirror and scale, in any active plane.
 pub(super) const SPACE: usize = 3;
@@ -78,7 +78,12 @@ impl Shifts {
 
     /// The words of a cycle: records the values that they set, makes incremental values absolute and supplies omitted
     /// values. Returns the blocks that have to precede them.
-    pub(super) fn define(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) -> Vec<LeftBlock> {
+    pub(super) fn define(
+        &mut self,
+        host: &dyn InterpreterHost,
+        cycle: u32,
+        seen: &mut Vec<EvaluatedWord>,
+    ) -> Vec<LeftBlock> {
         match cycle {
             7 => self.shift(seen),
             8 => return self.mirror(seen),
@@ -90,19 +95,19 @@ impl Shifts {
         Vec::new()
     }
 
-    fn shift(&mut self, seen: &mut [Seen]) {
+    fn shift(&mut self, seen: &mut [EvaluatedWord]) {
         for word in seen {
             let (Some((at, incremental)), Some(value)) = (axis(&word.name), word.value) else { continue };
             let Some(slot) = self.datum.get_mut(at) else { continue };
             *slot = if incremental { *slot + value } else { value };
             if incremental {
-                *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), *slot);
+                *word = EvaluatedWord::made(AXES.get(at).copied().unwrap_or_default(), *slot);
             }
         }
     }
 
     /// An axis has no value; the mirror is at the datum.
-    fn mirror(&mut self, seen: &mut Vec<Seen>) -> Vec<LeftBlock> {
+    fn mirror(&mut self, seen: &mut Vec<EvaluatedWord>) -> Vec<LeftBlock> {
         let before = std::mem::take(&mut self.mirrored);
         for word in &mut *seen {
             let Some(at) = AXES.iter().position(|axis| word.is(axis)).filter(|_| word.value.is_none()) else {
@@ -110,7 +115,7 @@ impl Shifts {
             };
             if let Some(slot) = self.mirrored.get_mut(at) {
                 *slot = true;
-                *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), 0.0);
+                *word = EvaluatedWord::made(AXES.get(at).copied().unwrap_or_default(), 0.0);
             }
         }
         if !self.mirrored.contains(&true) {
@@ -121,10 +126,10 @@ impl Shifts {
         } else if self.mirrored == before {
             return Vec::new();
         }
-        if before.contains(&true) { vec![vec![Seen::text(NO_MIRROR)]] } else { Vec::new() }
+        if before.contains(&true) { vec![vec![EvaluatedWord::text(NO_MIRROR)]] } else { Vec::new() }
     }
 
-    fn turn(&mut self, seen: &mut [Seen]) {
+    fn turn(&mut self, seen: &mut [EvaluatedWord]) {
         for word in seen {
             let Some(value) = word.value else { continue };
             match &*word.name {
@@ -133,14 +138,14 @@ impl Shifts {
                     self.angle += value;
                     let sign = if self.angle < 0.0 { "" } else { "+" };
                     let rest = Rest::Written(format!("{sign}{}", shown(self.angle)).into());
-                    *word = Seen { rest, span: word.span, ..Seen::made("ROT", self.angle) };
+                    *word = EvaluatedWord { rest, span: word.span, ..EvaluatedWord::made("ROT", self.angle) };
                 }
                 _ => {}
             }
         }
     }
 
-    fn scale(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) {
+    fn scale(&mut self, host: &dyn InterpreterHost, cycle: u32, seen: &mut Vec<EvaluatedWord>) {
         for word in &*seen {
             match (AXES.iter().position(|axis| word.is(axis)), word.value) {
                 (Some(at), Some(value)) => {
@@ -158,14 +163,14 @@ impl Shifts {
         if cycle == 26 {
             for (letter, factor) in AXES.into_iter().zip(self.factors) {
                 if !seen.iter().any(|word| word.is(letter)) && factor != 1.0 {
-                    seen.push(Seen::made(letter, factor));
+                    seen.push(EvaluatedWord::made(letter, factor));
                 }
             }
         }
         // Where the tables have words for the centre, one that is not there would be the place of the tool.
         for letter in CENTER {
             if host.is_register(letter) && !seen.iter().any(|word| word.is(letter)) {
-                seen.push(Seen::made(letter, 0.0));
+                seen.push(EvaluatedWord::made(letter, 0.0));
             }
         }
     }
@@ -174,24 +179,24 @@ impl Shifts {
     fn undone(self) -> Vec<LeftBlock> {
         let mut blocks = Vec::new();
         let shifted = AXES.iter().zip(self.datum).filter(|(_, datum)| *datum != 0.0);
-        let words: Vec<Seen> = shifted.map(|(letter, _)| Seen::made(letter, 0.0)).collect();
+        let words: Vec<EvaluatedWord> = shifted.map(|(letter, _)| EvaluatedWord::made(letter, 0.0)).collect();
         if !words.is_empty() {
             blocks.push(cycle(7, words));
         }
         if self.mirrored.contains(&true) {
-            blocks.push(vec![Seen::text(NO_MIRROR)]);
+            blocks.push(vec![EvaluatedWord::text(NO_MIRROR)]);
         }
         if self.angle != 0.0 {
-            blocks.push(cycle(10, [Seen::made("ROT", 0.0)]));
+            blocks.push(cycle(10, [EvaluatedWord::made("ROT", 0.0)]));
         }
         if self.factors != [1.0; AXES.len()] {
-            blocks.push(cycle(11, [Seen::made("SCL", 1.0)]));
+            blocks.push(cycle(11, [EvaluatedWord::made("SCL", 1.0)]));
         }
         blocks
     }
 }
 
 /// The definition of a cycle with its words.
-pub(super) fn cycle(number: u32, words: impl IntoIterator<Item = Seen>) -> LeftBlock {
-    std::iter::once(Seen::made("CYCL DEF ", f64::from(number))).chain(words).collect()
+pub(super) fn cycle(number: u32, words: impl IntoIterator<Item = EvaluatedWord>) -> LeftBlock {
+    std::iter::once(EvaluatedWord::made("CYCL DEF ", f64::from(number))).chain(words).collect()
 }

@@ -8,15 +8,15 @@
 //! path of the tool stays inside of the slot.
 
 use counterpoint_motion::arc::by_center;
-use counterpoint_motion::contour::closed::Closed;
+use counterpoint_motion::contour::closed::ClosedContour;
 use counterpoint_motion::contour::element::{Element, Spot, beside, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 use counterpoint_motion::contour::trochoid::trochoid;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels, within_reason};
+use super::clearing::{CycleBlockWriter, levels, within_reason};
 use super::moves::{Moves, RAPID};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Column ANGLE of the tool table.
 const RAMP: u32 = 14;
@@ -31,7 +31,7 @@ fn half_circle(at: Spot, heading: Spot, side: f64, amount: f64, arrives: bool) -
 
 /// Once along both walls and round both ends, from beside the start of the middle.
 fn round_the_slot(middle: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
-    let back = Closed::open(middle.to_vec()).reversed();
+    let back = ClosedContour::open(middle.to_vec()).reversed();
     let turn = |end: &Element| {
         let (from, to) = (beside(end.to, end.end(), side, amount), beside(end.to, end.end(), -side, amount));
         Element { from, to, arc: by_center(from, to, end.to, side > 0.0).ok() }
@@ -45,7 +45,7 @@ fn round_the_slot(middle: &[Element], side: f64, amount: f64) -> Option<Vec<Elem
 
 impl Heidenhain {
     /// The blocks of cycle 275.
-    pub(super) fn mill_slot(&self, host: &dyn Host) -> Result<Moves, String> {
+    pub(super) fn mill_slot(&self, host: &dyn InterpreterHost) -> Result<Moves, String> {
         let middle = &self.only_contour()?.elements;
         let unit = host.length_factor();
         let cutter = self.cutter(host)?;
@@ -58,7 +58,7 @@ impl Heidenhain {
         let clear = surface + self.sl(200);
         let bottom = surface + self.sl(201);
         let climbs = self.sl(351) >= 0.0;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(clear, RAPID);
         if self.sl(215) != 2.0 || as_wide {
             let circles =
@@ -127,8 +127,8 @@ impl Heidenhain {
     /// To the start of circles and down to a level, to and fro along the first line where Q366 says so.
     fn plunge_along(
         &self,
-        host: &dyn Host,
-        blocks: &mut Blocks,
+        host: &dyn InterpreterHost,
+        blocks: &mut CycleBlockWriter,
         (middle, circles): (&[Element], &[Element]),
         (level, mills): (f64, f64),
     ) -> Result<(), String> {
@@ -170,7 +170,13 @@ impl Heidenhain {
     }
 
     /// The walls, from the start of the middle.
-    fn finish_slot(&self, blocks: &mut Blocks, middle: &[Element], room: f64, climbs: bool) -> Result<(), String> {
+    fn finish_slot(
+        &self,
+        blocks: &mut CycleBlockWriter,
+        middle: &[Element],
+        room: f64,
+        climbs: bool,
+    ) -> Result<(), String> {
         let (Some(first), Some(last)) = (middle.first(), middle.last()) else { return Ok(()) };
         // A tool that climbs has its wall on the right.
         let side = if climbs { -1.0 } else { 1.0 };
@@ -180,7 +186,7 @@ impl Heidenhain {
         let ways = match closes {
             false => vec![(fits(round_the_slot(middle, side, room))?, *first, *first)],
             true => {
-                let back = Closed::open(middle.to_vec()).reversed();
+                let back = ClosedContour::open(middle.to_vec()).reversed();
                 let there = fits(rounded(middle, side, room))?;
                 let other = fits(rounded(back.elements(), side, room))?;
                 let of = |way: &[Element]| way.first().copied().zip(way.last().copied());

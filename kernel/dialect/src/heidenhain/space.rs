@@ -5,8 +5,8 @@
 //! tool along N. Decision: allowances of the tool along N are an alarm.
 
 use super::Heidenhain;
-use super::words::Seen;
-use crate::host::Host;
+use super::words::EvaluatedWord;
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -20,14 +20,14 @@ pub(super) struct Space {
 }
 
 /// The number of an M function.
-fn function(word: &Seen) -> Option<f64> {
+fn function(word: &EvaluatedWord) -> Option<f64> {
     word.value.filter(|_| word.is("M"))
 }
 
 impl Heidenhain {
     /// M128, FUNCTION TCPM: the F word after it is the rate of the axes that follow, for machines with a register for
     /// it.
-    pub(super) fn follow(&mut self, host: &dyn Host, seen: &mut [Seen]) {
+    pub(super) fn follow(&mut self, host: &dyn InterpreterHost, seen: &mut [EvaluatedWord]) {
         let Some(on) = seen.iter().position(|word| function(word) == Some(128.0) || word.is("TCPM")) else { return };
         self.space.follows = !seen.iter().any(|word| word.is("RESET"));
         if !host.is_register("TIPF") {
@@ -39,15 +39,19 @@ impl Heidenhain {
     }
 
     /// M129 acts at the end of its block.
-    pub(super) fn after_block(&mut self, seen: &[Seen]) {
+    pub(super) fn after_block(&mut self, seen: &[EvaluatedWord]) {
         self.space.follows &= !seen.iter().any(|word| function(word) == Some(129.0));
     }
 
     /// Directions of an LN block.
-    pub(super) fn directions(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<(), Halt> {
+    pub(super) fn directions(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        seen: &mut Vec<EvaluatedWord>,
+    ) -> Result<(), Halt> {
         const NORMAL: [&str; 3] = ["NX", "NY", "NZ"];
         const TOOL: [&str; 3] = ["TX", "TY", "TZ"];
-        let is_normal = |word: &Seen| NORMAL.contains(&&*word.name);
+        let is_normal = |word: &EvaluatedWord| NORMAL.contains(&&*word.name);
         if self.space.allowances && seen.iter().any(is_normal) {
             let text = format!("DL, DR and DR2 along the normal of '{}' are not emulated", host.block_text());
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));

@@ -4,11 +4,11 @@
 //! statement are one. Invariant: a block that is not a statement consists of words; reading fails only for blocks that
 //! start as a statement.
 
-use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};
-use super::lex::Cursor;
-use super::path::Shape;
-use super::words::{MADE, Word, words};
-use crate::statement::Shared;
+use super::formula::{self, Formula, FormulaError, HeidenhainOp, QParameter, expected, parameter};
+use super::lex::HeidenhainCursor;
+use super::path::PathBlockKind;
+use super::words::{HeidenhainWord, MADE, words};
+use crate::statement::SharedStatement;
 
 /// Label of a place in the program.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -37,29 +37,29 @@ pub(super) enum Test {
 
 /// Condition of a branch.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Condition {
+pub(super) enum BranchCondition {
     Compare(Formula, Test, Formula),
     /// The parameter has a value, or has none.
-    Defined(Name, bool),
+    Defined(QParameter, bool),
 }
 
 /// A statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Statement {
+pub(super) enum HeidenhainStatement {
     Nothing,
-    Words(Vec<Word>),
-    Assign(Name, Formula),
+    Words(Vec<HeidenhainWord>),
+    Assign(QParameter, Formula),
     /// Several parameters in a block, as those of a cycle are written.
-    Parameters(Vec<Word>),
-    Branch(Condition, Formula),
+    Parameters(Vec<HeidenhainWord>),
+    Branch(BranchCondition, Formula),
     /// A statement that other controls have too, with its operands.
-    Shared(&'static Shared, Box<[Formula]>),
+    Shared(&'static SharedStatement, Box<[Formula]>),
     /// FN 16: the mask and the target of the output.
     Print(String),
     /// FN 38: the text to send.
     Send(String),
     SysRead {
-        to: Name,
+        to: QParameter,
         id: Formula,
         number: Formula,
         index: Option<Formula>,
@@ -85,48 +85,48 @@ pub(super) enum Statement {
     /// SEL CONTOUR with the program that makes an area of contours.
     SelectContour(Formula),
     /// PRESET SELECT with the words after it.
-    SelectPreset(Vec<Word>),
+    SelectPreset(Vec<HeidenhainWord>),
     Begin {
         iso: bool,
         inch: Option<bool>,
-        words: Vec<Word>,
+        words: Vec<HeidenhainWord>,
     },
     End,
-    CycleDefinition(Vec<Word>),
+    CycleDefinition(Vec<HeidenhainWord>),
     /// A line of a cycle of several lines: number, part, words after the title.
     CyclePart {
         cycle: u32,
         part: u32,
-        words: Vec<Word>,
+        words: Vec<HeidenhainWord>,
         text: String,
     },
     CycleCall {
-        kind: Call,
-        words: Vec<Word>,
+        kind: CycleCallForm,
+        words: Vec<HeidenhainWord>,
     },
     ToolCall {
         tool: Option<Formula>,
-        words: Vec<Word>,
+        words: Vec<HeidenhainWord>,
     },
     ToolDefinition {
         tool: Formula,
-        words: Vec<Word>,
+        words: Vec<HeidenhainWord>,
     },
-    Stop(Vec<Word>),
+    Stop(Vec<HeidenhainWord>),
     Path {
-        shape: Shape,
+        shape: PathBlockKind,
         iso: bool,
-        words: Vec<Word>,
+        words: Vec<HeidenhainWord>,
     },
     /// The requests of the program of an SL cycle.
     Contour(String),
     /// A statement of the control that is not emulated, unless the machine has a code for it.
-    Foreign(Vec<Word>),
+    Foreign(Vec<HeidenhainWord>),
 }
 
 /// Form of CYCL CALL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Call {
+pub(super) enum CycleCallForm {
     Here,
     Position,
     Pattern,
@@ -161,19 +161,19 @@ const FOREIGN: [&str; 24] = [
 ];
 
 /// Reads a block without number and comment.
-pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
-    let mut cursor = Cursor::new(text);
+pub(super) fn read(text: &str) -> Result<HeidenhainStatement, FormulaError> {
+    let mut cursor = HeidenhainCursor::new(text);
     match cursor.peek() {
-        None => return Ok(Statement::Nothing),
+        None => return Ok(HeidenhainStatement::Nothing),
         Some(b'%') => return Ok(percent(&mut cursor)),
         Some(b'Q') => {
             let mut ahead = cursor.clone();
             if let Some(name) = parameter(&mut ahead)
                 && ahead.take(b'=')
             {
-                let several = || super::cycles::parameters(cursor.clone()).map(Statement::Parameters);
+                let several = || super::cycles::parameters(cursor.clone()).map(HeidenhainStatement::Parameters);
                 return match whole_formula(&mut ahead) {
-                    Ok(formula) => Ok(Statement::Assign(name, formula)),
+                    Ok(formula) => Ok(HeidenhainStatement::Assign(name, formula)),
                     Err(wrong) => several().ok_or(wrong),
                 };
             }
@@ -189,17 +189,17 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
     if let Some(statement) = super::iso::read(&mut cursor)? {
         return Ok(statement);
     }
-    for (word, shape) in Shape::WORDS {
+    for (word, shape) in PathBlockKind::WORDS {
         if word.as_bytes().first() == Some(&first) && path_word(&mut cursor, word) {
             let words = words(&mut cursor);
             let words = if shape.is_free() { super::auxiliary::point_words(words) } else { words };
-            return Ok(Statement::Path { shape, iso: false, words });
+            return Ok(HeidenhainStatement::Path { shape, iso: false, words });
         }
     }
     let foreign = FOREIGN.iter().any(|word| cursor.clone().keyword(word));
     let words = words(&mut cursor);
     Ok(match foreign {
-        true => Statement::Foreign(words),
+        true => HeidenhainStatement::Foreign(words),
         false => super::iso::path(words),
     })
 }
@@ -215,7 +215,7 @@ fn may_be_key_word(text: &str) -> bool {
 }
 
 /// The keyword of a path block: one letter has to be alone.
-fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
+fn path_word(cursor: &mut HeidenhainCursor<'_>, word: &str) -> bool {
     let mut ahead = cursor.clone();
     if !ahead.keyword(word) {
         return false;
@@ -230,13 +230,13 @@ fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
 }
 
 /// A formula up to the end of the block.
-pub(super) fn whole_formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+pub(super) fn whole_formula(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     let formula = formula::formula(cursor)?;
     if cursor.is_over() { Ok(formula) } else { Err(expected(cursor, "the end of the formula")) }
 }
 
 /// A statement that begins with keywords.
-fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+fn key_word(cursor: &mut HeidenhainCursor<'_>) -> Result<Option<HeidenhainStatement>, FormulaError> {
     if cursor.keyword("FN") {
         return super::functions::read(cursor).map(Some);
     }
@@ -245,7 +245,7 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         if !cursor.take(b'=') {
             return Err(expected(cursor, "an equal sign"));
         }
-        Statement::Assign(name, whole_formula(cursor)?)
+        HeidenhainStatement::Assign(name, whole_formula(cursor)?)
     } else if cursor.keyword("LBL") {
         return label(cursor).map(Some);
     } else if cursor.keyword("CALL LBL") {
@@ -254,61 +254,61 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         if !cursor.is_over() {
             return Err(expected(cursor, "REP or the end of the block"));
         }
-        Statement::CallLabel { label, repeat }
+        HeidenhainStatement::CallLabel { label, repeat }
     } else if cursor.keyword("CALL PGM") {
-        Statement::CallProgram(program_name(cursor)?)
+        HeidenhainStatement::CallProgram(program_name(cursor)?)
     } else if cursor.keyword("CALL SELECTED PGM") {
-        Statement::CallSelected
+        HeidenhainStatement::CallSelected
     } else if cursor.keyword("SEL PGM") {
-        Statement::SelectProgram(program_name(cursor)?)
+        HeidenhainStatement::SelectProgram(program_name(cursor)?)
     } else if cursor.keyword("SEL PATTERN") {
-        Statement::SelectPoints(program_name(cursor)?)
+        HeidenhainStatement::SelectPoints(program_name(cursor)?)
     } else if cursor.keyword("SEL CONTOUR") {
-        Statement::SelectContour(program_name(cursor)?)
+        HeidenhainStatement::SelectContour(program_name(cursor)?)
     } else if cursor.keyword("SEL TABLE") {
-        Statement::SelectDatums(program_name(cursor)?)
+        HeidenhainStatement::SelectDatums(program_name(cursor)?)
     } else if cursor.keyword("PRESET SELECT") {
-        Statement::SelectPreset(words(cursor))
+        HeidenhainStatement::SelectPreset(words(cursor))
     } else if cursor.keyword("BEGIN PGM") {
         let inch = cursor.all().split_whitespace().last().and_then(|unit| match unit {
             "INCH" => Some(true),
             "MM" => Some(false),
             _ => None,
         });
-        Statement::Begin { iso: false, inch, words: Vec::new() }
+        HeidenhainStatement::Begin { iso: false, inch, words: Vec::new() }
     } else if cursor.keyword("END PGM") {
-        Statement::End
+        HeidenhainStatement::End
     } else if cursor.keyword("BLK FORM") {
-        Statement::Nothing
+        HeidenhainStatement::Nothing
     } else if cursor.keyword("TOOL CALL") {
         let named = matches!(cursor.peek(), Some(b'0'..=b'9' | b'"' | b'Q'));
         let tool = if named { Some(formula::operand(cursor)?) } else { None };
-        Statement::ToolCall { tool, words: words(cursor) }
+        HeidenhainStatement::ToolCall { tool, words: words(cursor) }
     } else if cursor.keyword("TOOL DEF") {
         let tool = formula::operand(cursor)?;
-        Statement::ToolDefinition { tool, words: words(cursor) }
+        HeidenhainStatement::ToolDefinition { tool, words: words(cursor) }
     } else if cursor.keyword("CYCL DEF") {
         return super::cycles::read(cursor).map(Some);
     } else if cursor.keyword("CYCL CALL") {
         let kind = if cursor.keyword("POS") {
-            Call::Position
+            CycleCallForm::Position
         } else if cursor.keyword("PAT") {
-            Call::Pattern
+            CycleCallForm::Pattern
         } else {
-            Call::Here
+            CycleCallForm::Here
         };
-        Statement::CycleCall { kind, words: words(cursor) }
+        HeidenhainStatement::CycleCall { kind, words: words(cursor) }
     } else if cursor.keyword("SL") {
-        Statement::Contour(cursor.all().trim().to_owned())
+        HeidenhainStatement::Contour(cursor.all().trim().to_owned())
     } else if cursor.keyword("STOP") {
-        Statement::Stop(words(cursor))
+        HeidenhainStatement::Stop(words(cursor))
     } else {
         return Ok(None);
     }))
 }
 
 /// Number of repeats of a section; `REP 3`, and `REP 3/2` of listings that show the remaining repeats.
-fn repeat(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+fn repeat(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     let repeat = formula::operand(cursor)?;
     if cursor.take(b'/') {
         cursor.whole();
@@ -316,7 +316,7 @@ fn repeat(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     Ok(repeat)
 }
 
-fn label(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+fn label(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
     let label = match cursor.quoted() {
         Some(name) => Label::Name(name.to_owned()),
         None => Label::Number(cursor.whole().ok_or_else(|| expected(cursor, "the number or name of a label"))?),
@@ -324,23 +324,23 @@ fn label(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     if !cursor.is_over() {
         return Err(expected(cursor, "the end of the block"));
     }
-    Ok(if label == Label::Number(0) { Statement::EndOfLabel } else { Statement::Label(label) })
+    Ok(if label == Label::Number(0) { HeidenhainStatement::EndOfLabel } else { HeidenhainStatement::Label(label) })
 }
 
 /// A label that a statement goes to: `LBL 5`, `LBL "NAME"`, `LBL QS5`.
-pub(super) fn target(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+pub(super) fn target(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     cursor.keyword("LBL");
     let target = formula::operand(cursor)?;
     if cursor.is_over() { Ok(target) } else { Err(expected(cursor, "the end of the block")) }
 }
 
 /// Name of a program: a text, a text parameter, or unchanged text.
-pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+pub(super) fn program_name(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
     let mut ahead = cursor.clone();
     if let Some(name) = parameter(&mut ahead)
         && ahead.is_over()
     {
-        return Ok(Formula::own(Own::Variable(name)));
+        return Ok(Formula::own(HeidenhainOp::Variable(name)));
     }
     let name = match cursor.quoted() {
         Some(name) => name,
@@ -353,18 +353,20 @@ pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
 }
 
 /// `%NAME G71` begins an ISO program, or ends it after a number; `%NAME` calls one.
-fn percent(cursor: &mut Cursor<'_>) -> Statement {
+fn percent(cursor: &mut HeidenhainCursor<'_>) -> HeidenhainStatement {
     cursor.take(b'%');
     let text = cursor.all();
     let (name, unit) = text.rsplit_once(' ').map_or((text, ""), |(name, unit)| (name.trim(), unit));
-    let words = || words(&mut Cursor::new(unit)).into_iter().map(|word| Word { span: MADE, ..word }).collect();
+    let words = || {
+        words(&mut HeidenhainCursor::new(unit)).into_iter().map(|word| HeidenhainWord { span: MADE, ..word }).collect()
+    };
     match unit {
-        "G70" => Statement::Begin { iso: true, inch: Some(true), words: words() },
-        "G71" => Statement::Begin { iso: true, inch: Some(false), words: words() },
-        _ if text.is_empty() => Statement::Nothing,
+        "G70" => HeidenhainStatement::Begin { iso: true, inch: Some(true), words: words() },
+        "G71" => HeidenhainStatement::Begin { iso: true, inch: Some(false), words: words() },
+        _ if text.is_empty() => HeidenhainStatement::Nothing,
         _ => {
             let name = if unit.is_empty() { name } else { text };
-            Statement::CallProgram(formula::text(name.trim_matches('"')))
+            HeidenhainStatement::CallProgram(formula::text(name.trim_matches('"')))
         }
     }
 }

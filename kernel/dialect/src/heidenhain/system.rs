@@ -4,21 +4,21 @@
 //! machine is asked first. Invariant: unknown system data are reported; a parameter becomes 0, nothing is written.
 
 use super::Heidenhain;
-use super::eval::{Asked, Evaluator};
-use super::formula::{Formula, Name};
+use super::eval::{Evaluator, IdentificationResult};
+use super::formula::{Formula, QParameter};
 use super::path::AXES;
 use super::tools::row;
-use super::variables::Value;
+use super::variables::ParameterValue;
 use super::words::shown;
-use crate::host::{Answer, Host};
+use crate::host::{IdentificationAnswer, InterpreterHost};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 impl Heidenhain {
     pub(super) fn system_read(
         &mut self,
-        host: &mut dyn Host,
-        to: Name,
+        host: &mut dyn InterpreterHost,
+        to: QParameter,
         (id, number, index): (&Formula, &Formula, Option<&Formula>),
     ) -> Result<(), Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
@@ -34,41 +34,49 @@ impl Heidenhain {
     /// System data that are a number, 0 if they are a text.
     pub(super) fn system_number(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         id: f64,
         number: f64,
         index: Option<f64>,
     ) -> Result<f64, Halt> {
         Ok(match self.system_data(host, id, number, index)? {
-            Value::Number(value) => value,
-            Value::Text(_) => 0.0,
+            ParameterValue::Number(value) => value,
+            ParameterValue::Text(_) => 0.0,
         })
     }
 
     /// Value of system data: that of the machine, or one that is known here.
-    fn system_data(&mut self, host: &mut dyn Host, id: f64, number: f64, index: Option<f64>) -> Result<Value, Halt> {
+    fn system_data(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        id: f64,
+        number: f64,
+        index: Option<f64>,
+    ) -> Result<ParameterValue, Halt> {
         let asked = name_of(id, number, index);
         let value = match Evaluator::new(&mut self.variables, host).ask(&asked)? {
             // The machine gives a feed in its own unit.
-            Asked::Value(Value::Number(feed)) if self.units.inches && (id, number) == (20.0, 9.0) => {
-                Value::Number(self.units.of_program(feed, host))
+            IdentificationResult::Value(ParameterValue::Number(feed))
+                if self.units.inches && (id, number) == (20.0, 9.0) =>
+            {
+                ParameterValue::Number(self.units.of_program(feed, host))
             }
-            Asked::Value(value) => value,
-            Asked::Nothing | Asked::Kept => Value::Number(0.0),
-            Asked::Unknown => {
+            IdentificationResult::Value(value) => value,
+            IdentificationResult::Nothing | IdentificationResult::Kept => ParameterValue::Number(0.0),
+            IdentificationResult::Unknown => {
                 let known = self.system_value(host, id, number, index);
                 if known.is_none() {
                     let text = format!("no value is known for {asked} in '{}'; 0 is used", host.block_text());
                     host.diagnose(&diag::SYSTEM_DATA_UNKNOWN, text);
                 }
-                Value::Number(known.unwrap_or(0.0))
+                ParameterValue::Number(known.unwrap_or(0.0))
             }
         };
         Ok(value)
     }
 
     /// System data that the kernel and this program know.
-    fn system_value(&self, host: &dyn Host, id: f64, number: f64, index: Option<f64>) -> Option<f64> {
+    fn system_value(&self, host: &dyn InterpreterHost, id: f64, number: f64, index: Option<f64>) -> Option<f64> {
         let control = &self.variables.control;
         let (id, number) = (whole(id)?, whole(number)?);
         let tool = || control.tool.unwrap_or_else(|| f64::from(host.tool()));
@@ -127,7 +135,7 @@ impl Heidenhain {
     /// FN 17: SYSWRITE.
     pub(super) fn system_write(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         (id, number, index): (&Formula, &Formula, Option<&Formula>),
         value: &Formula,
     ) -> Result<(), Halt> {
@@ -138,7 +146,9 @@ impl Heidenhain {
             None => None,
         };
         let asked = name_of(id, number, index);
-        if host.identify(&asked, Some(&counterpoint_lang::value::Value::Real(value)))? != Answer::Unknown {
+        if host.identify(&asked, Some(&counterpoint_lang::value::MacroValue::Real(value)))?
+            != IdentificationAnswer::Unknown
+        {
             return Ok(());
         }
         host.effect();

@@ -11,9 +11,9 @@ use super::Heidenhain;
 use super::formula::Formula;
 use super::lex::capitals;
 use super::path::AXES;
-use super::patterns::Spot;
-use super::words::Seen;
-use crate::host::Host;
+use super::patterns::PatternPoint;
+use super::words::EvaluatedWord;
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// Most rows of a table.
@@ -29,7 +29,7 @@ const TURNS: [&str; 3] = ["A", "B", "C"];
 type Row = Vec<(String, String)>;
 
 /// The rows of a table.
-fn rows(host: &dyn Host, file: FileId, inch: bool) -> Vec<Row> {
+fn rows(host: &dyn InterpreterHost, file: FileId, inch: bool) -> Vec<Row> {
     let Some(source) = host.source(file) else { return Vec::new() };
     let mut names: Vec<(usize, String)> = Vec::new();
     let (mut rows, mut factor) = (Vec::new(), 1.0);
@@ -93,7 +93,7 @@ fn number(row: &Row, name: &str) -> Option<f64> {
 
 impl Heidenhain {
     /// A table of the job by its name.
-    fn table(&mut self, host: &mut dyn Host, name: &str, ending: &str) -> Result<Vec<Row>, Halt> {
+    fn table(&mut self, host: &mut dyn InterpreterHost, name: &str, ending: &str) -> Result<Vec<Row>, Halt> {
         let name = name.trim().trim_matches('"');
         for name in [name.to_owned(), format!("{name}{ending}")] {
             if let Some((file, _)) = self.find_program(host, &name, false)? {
@@ -105,12 +105,12 @@ impl Heidenhain {
     }
 
     /// SEL PATTERN: the points of a table.
-    pub(super) fn select_points(&mut self, host: &mut dyn Host, name: &Formula) -> Result<(), Halt> {
+    pub(super) fn select_points(&mut self, host: &mut dyn InterpreterHost, name: &Formula) -> Result<(), Halt> {
         let name = self.text(host, name)?;
         let rows = self.table(host, &name, ".PNT")?;
         let shown = rows.iter().filter(|row| !row.iter().any(|(column, cell)| column == "FADE" && cell == "Y"));
         let value = |row: &Row, name: &str| number(row, name).unwrap_or(0.0);
-        let spots = shown.map(|row| Spot {
+        let spots = shown.map(|row| PatternPoint {
             at: self.plane_letters().map(|letter| value(row, letter)),
             above: value(row, self.tool_letter()),
             clearance: number(row, "CLEARANCE"),
@@ -121,7 +121,7 @@ impl Heidenhain {
     }
 
     /// SEL TABLE: the table that rows of cycle 7 are of.
-    pub(super) fn select_datums(&mut self, host: &mut dyn Host, name: &Formula) -> Result<(), Halt> {
+    pub(super) fn select_datums(&mut self, host: &mut dyn InterpreterHost, name: &Formula) -> Result<(), Halt> {
         self.selected.datums = Some(self.text(host, name)?);
         Ok(())
     }
@@ -129,10 +129,10 @@ impl Heidenhain {
     /// A row of a datum table as words of cycle 7.
     pub(super) fn datum_row(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         wanted: f64,
         table: Option<&str>,
-    ) -> Result<Vec<Seen>, Halt> {
+    ) -> Result<Vec<EvaluatedWord>, Halt> {
         let Some(table) = table.map(str::to_owned).or_else(|| self.selected.datums.as_deref().map(str::to_owned))
         else {
             let text = format!("no datum table is selected for '{}'; program SEL TABLE first", host.block_text());
@@ -148,6 +148,6 @@ impl Heidenhain {
         // Machines without an axis have its column, too.
         let values = AXES.iter().enumerate().filter_map(|(at, letter)| Some((at, letter, number(row, letter)?)));
         let moves = values.filter(|(at, _, value)| *at < 3 || *value != 0.0);
-        Ok(moves.map(|(_, letter, value)| Seen::made(letter, value)).collect())
+        Ok(moves.map(|(_, letter, value)| EvaluatedWord::made(letter, value)).collect())
     }
 }

@@ -5,17 +5,17 @@
 //! Decisions: the tool of 277 comes to a point.
 
 use super::Heidenhain;
-use super::formula::{Kind, Name};
+use super::formula::{ParameterKind, QParameter};
 use super::moves::RAPID;
 use super::old;
 use super::path::actual;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Column T-ANGLE of the tool table.
 const TIP_ANGLE: u32 = 32;
 
 /// Data of a cycle, with lengths and heights as in the program.
-pub(super) struct Task {
+pub(super) struct ContourParameters {
     pub(super) surface: f64,
     pub(super) bottom: f64,
     /// Its allowance on the ground.
@@ -34,7 +34,7 @@ pub(super) struct Task {
     /// Direction of the cuts, degrees.
     pub(super) along: f64,
     /// Other tools that it names.
-    pub(super) others: Others,
+    pub(super) others: ContourTools,
     pub(super) rounding: Rounding,
 }
 
@@ -49,7 +49,7 @@ pub(super) enum Rounding {
 
 /// Other tools that a cycle names, and the kind of its contours.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Others {
+pub(super) struct ContourTools {
     /// The tool for which holes are made; none for the active tool.
     pub(super) holes: Option<u32>,
     /// The tool that has roughed before.
@@ -60,7 +60,7 @@ pub(super) struct Others {
 
 /// The effect of an OCM cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Work {
+pub(super) enum OcmOperation {
     Rough,
     Floor,
     Side,
@@ -69,14 +69,14 @@ pub(super) enum Work {
 
 impl Heidenhain {
     pub(super) fn sl(&self, index: u32) -> f64 {
-        self.number(Name { kind: Kind::Q, index })
+        self.number(QParameter { kind: ParameterKind::Q, index })
     }
 
     /// Task of a cycle from 21 to 24, with its allowances at the floor and at the side.
-    pub(super) fn task(&self, host: &dyn Host, floor: f64, allowance: f64) -> Task {
+    pub(super) fn task(&self, host: &dyn InterpreterHost, floor: f64, allowance: f64) -> ContourParameters {
         let surface = self.sl(5);
         let feed = self.sl(12);
-        Task {
+        ContourParameters {
             surface,
             bottom: surface + self.sl(1) + floor,
             floor,
@@ -90,23 +90,29 @@ impl Heidenhain {
             feed,
             out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
             along: 0.0,
-            others: Others { holes: Some(self.sl(13) as u32), ..Others::default() },
+            others: ContourTools { holes: Some(self.sl(13) as u32), ..ContourTools::default() },
             rounding: Rounding::Corners(self.sl(8).max(0.0) * host.length_factor()),
         }
     }
 
     /// Task of cycles 271 and 272 to 274: the last infeed that the floor leaves, the side, the infeed, the feed and the
     /// plunge feed.
-    pub(super) fn adaptive_task(&self, host: &dyn Host, work: Work) -> Result<Task, String> {
+    pub(super) fn adaptive_task(
+        &self,
+        host: &dyn InterpreterHost,
+        work: OcmOperation,
+    ) -> Result<ContourParameters, String> {
         let surface = self.sl(203);
         let (floor, allowance, infeed, feed, plunge) = match work {
-            Work::Rough => (self.sl(369), self.sl(368), self.sl(202), self.sl(207), self.sl(207) * self.sl(568)),
-            Work::Floor => (0.0, self.sl(368), 0.0, self.sl(385), self.sl(385) * self.sl(568)),
-            Work::Side => (0.0, self.sl(14), self.sl(338), self.sl(385), self.sl(253)),
-            Work::Chamfer => (0.0, self.beside_chamfer(host)?, 0.0, self.sl(207), self.sl(253)),
+            OcmOperation::Rough => {
+                (self.sl(369), self.sl(368), self.sl(202), self.sl(207), self.sl(207) * self.sl(568))
+            }
+            OcmOperation::Floor => (0.0, self.sl(368), 0.0, self.sl(385), self.sl(385) * self.sl(568)),
+            OcmOperation::Side => (0.0, self.sl(14), self.sl(338), self.sl(385), self.sl(253)),
+            OcmOperation::Chamfer => (0.0, self.beside_chamfer(host)?, 0.0, self.sl(207), self.sl(253)),
         };
-        let depth = self.sl(if work == Work::Chamfer { 353 } else { 201 });
-        Ok(Task {
+        let depth = self.sl(if work == OcmOperation::Chamfer { 353 } else { 201 });
+        Ok(ContourParameters {
             surface,
             bottom: surface + depth + floor,
             floor,
@@ -120,9 +126,9 @@ impl Heidenhain {
             feed,
             out: RAPID,
             along: 0.0,
-            others: Others {
+            others: ContourTools {
                 holes: None,
-                earlier: self.tool_before(438).filter(|_| work == Work::Rough),
+                earlier: self.tool_before(438).filter(|_| work == OcmOperation::Rough),
                 open: self.sl(569) != 0.0,
             },
             rounding: Rounding::Everywhere(self.cutter(host)? * self.sl(578).max(0.0)),
@@ -136,7 +142,7 @@ impl Heidenhain {
 
     /// Additional distance of the tool of cycle 277 from the contour, beyond its radius. At the surface its cone
     /// reaches beyond the contour by the width of the chamfer.
-    fn beside_chamfer(&self, host: &dyn Host) -> Result<f64, String> {
+    fn beside_chamfer(&self, host: &dyn InterpreterHost) -> Result<f64, String> {
         let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
         let half = self.tools.column(host, tool as u32, TIP_ANGLE).unwrap_or(0.0) / 2.0;
         if half <= 0.0 {
@@ -153,12 +159,12 @@ impl Heidenhain {
     }
 
     /// Task of cycle 6, 15 or 16; 16 gives the sense.
-    pub(super) fn old_task(&self, host: &dyn Host) -> Task {
+    pub(super) fn old_task(&self, host: &dyn InterpreterHost) -> ContourParameters {
         let of = |number: usize| self.cycles.old.get(number - 1).copied().unwrap_or(0.0);
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let stands = actual(host).get(along).copied().unwrap_or(0.0);
         let surface = stands - of(old::CLEARANCE).abs();
-        Task {
+        ContourParameters {
             surface,
             bottom: surface - of(old::DEPTH).abs(),
             floor: 0.0,
@@ -172,7 +178,7 @@ impl Heidenhain {
             feed: of(old::FEED),
             out: RAPID,
             along: of(old::ANGLE),
-            others: Others::default(),
+            others: ContourTools::default(),
             rounding: Rounding::Corners(0.0),
         }
     }

@@ -10,14 +10,14 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::eval::{Asked, Evaluator};
+use super::eval::{Evaluator, IdentificationResult};
 use super::foreign_axes::refuse_axes;
 use super::formula::Formula;
 use super::path::AXES;
 use super::tools::{LENGTH, RADIUS, is_indexed, row};
-use super::variables::Value;
-use super::words::{LeftBlock, MADE, Rest, Seen, Word, headed, shown};
-use crate::host::Host;
+use super::variables::ParameterValue;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, MADE, Rest, headed, shown};
+use crate::host::InterpreterHost;
 
 /// Register for the row of an indexed tool.
 const ROW: &str = "TOOLROW";
@@ -27,19 +27,19 @@ const SIZES: &str = "TOOL SIZES";
 
 impl Heidenhain {
     /// Number of a tool; none for an unknown name.
-    fn tool(&mut self, host: &mut dyn Host, tool: &Formula) -> Result<Option<String>, Halt> {
+    fn tool(&mut self, host: &mut dyn InterpreterHost, tool: &Formula) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let name = match evaluator.value(tool)? {
-            Value::Number(number) => return Ok(Some(shown(number))),
-            Value::Text(name) => name,
+            ParameterValue::Number(number) => return Ok(Some(shown(number))),
+            ParameterValue::Text(name) => name,
         };
         let quoted = format!("\"{name}\"");
         Ok(match evaluator.ask(&quoted)? {
-            Asked::Value(Value::Number(number)) => Some(shown(number)),
-            Asked::Value(Value::Text(text)) => Some(text.to_string()),
-            Asked::Kept => Some(quoted),
-            Asked::Nothing => None,
-            Asked::Unknown => {
+            IdentificationResult::Value(ParameterValue::Number(number)) => Some(shown(number)),
+            IdentificationResult::Value(ParameterValue::Text(text)) => Some(text.to_string()),
+            IdentificationResult::Kept => Some(quoted),
+            IdentificationResult::Nothing => None,
+            IdentificationResult::Unknown => {
                 if let Some(number) = host.tool_number(&name) {
                     host.name_tool(number, &name);
                     return Ok(Some(number.to_string()));
@@ -53,9 +53,9 @@ impl Heidenhain {
 
     pub(super) fn call_tool(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         tool: Option<&Formula>,
-        words: &[Word],
+        words: &[HeidenhainWord],
     ) -> Result<Vec<LeftBlock>, Halt> {
         let number = match tool {
             Some(tool) => self.tool(host, tool)?,
@@ -82,14 +82,15 @@ impl Heidenhain {
             }
         }
         let called = number.as_deref().and_then(|number| number.parse::<f64>().ok());
-        let is_allowance = |word: &Seen| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value.is_some();
+        let is_allowance = |word: &EvaluatedWord| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value.is_some();
         let changes = tool.is_none() && seen.iter().any(is_allowance);
         if called.is_some() || changes {
             self.take_allowances(host, called, &mut seen);
         }
         self.functions_of(&seen);
         // Allowances belong to the tool table, unless the machine has registers for them.
-        let stays = |word: &Seen| !matches!(&*word.name, "DL" | "DR" | "DR2" | ROW) || host.is_register(&word.name);
+        let stays =
+            |word: &EvaluatedWord| !matches!(&*word.name, "DL" | "DR" | "DR2" | ROW) || host.is_register(&word.name);
         let left = seen.into_iter().filter(stays);
         Ok(vec![match number {
             Some(number) if host.is_register(ROW) => {
@@ -104,36 +105,36 @@ impl Heidenhain {
 
     /// The allowances of the block, with those of the tool table; without a tool, allowances that it does not name
     /// stay. An indexed tool gets its row.
-    fn take_allowances(&mut self, host: &mut dyn Host, called: Option<f64>, seen: &mut Vec<Seen>) {
+    fn take_allowances(&mut self, host: &mut dyn InterpreterHost, called: Option<f64>, seen: &mut Vec<EvaluatedWord>) {
         let tool = called.or(self.variables.control.tool).unwrap_or_else(|| f64::from(host.tool()));
         let before = if called.is_some() { [0.0; 2] } else { self.variables.control.allowances };
         let said = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
         let allowances = [said("DL").unwrap_or(before[0]), said("DR").unwrap_or(before[1])];
         for (name, value) in ["DL", "DR"].into_iter().zip(allowances) {
             if value != 0.0 && !seen.iter().any(|word| word.is(name)) {
-                seen.push(Seen::made(name, value));
+                seen.push(EvaluatedWord::made(name, value));
             }
         }
         self.tools.add_allowances(host, tool, seen);
         // Offsets of the machine are in its own unit.
         let factor = if self.units.inches { host.length_factor() } else { 1.0 };
         for word in seen.iter_mut().filter(|word| matches!(&*word.name, "DL" | "DR") && factor != 1.0) {
-            *word = Seen::made(&word.name.clone(), word.value.unwrap_or(0.0) * factor);
+            *word = EvaluatedWord::made(&word.name.clone(), word.value.unwrap_or(0.0) * factor);
         }
         let control = &mut self.variables.control;
         (control.tool, control.allowances) = (Some(tool), allowances);
-        let allowance = |word: &Seen| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value != Some(0.0);
+        let allowance = |word: &EvaluatedWord| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value != Some(0.0);
         self.space.allowances = seen.iter().any(|word| word.value.is_some() && allowance(word));
         if is_indexed(tool) {
-            seen.push(Seen::made(ROW, f64::from(row(tool))));
+            seen.push(EvaluatedWord::made(ROW, f64::from(row(tool))));
         }
     }
 
     pub(super) fn define_tool(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         tool: &Formula,
-        words: &[Word],
+        words: &[HeidenhainWord],
     ) -> Result<Vec<LeftBlock>, Halt> {
         let Some(number) = self.tool(host, tool)? else { return Ok(Vec::new()) };
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
@@ -160,20 +161,24 @@ impl Heidenhain {
 
     /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless the block
     /// has KEEP TRANS.
-    pub(super) fn select_preset(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn select_preset(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        let is_known = |word: &Seen| matches!(&*word.name, "#" | "KEEP" | "TRANS" | "WP");
+        let is_known = |word: &EvaluatedWord| matches!(&*word.name, "#" | "KEEP" | "TRANS" | "WP");
         let row = seen.iter().find(|word| word.is("#")).and_then(|word| word.value);
         let Some(row) = row.filter(|_| seen.iter().all(is_known)) else { return Err(self.not_understood(host)) };
         let keeps = seen.iter().any(|word| word.is("KEEP"));
         let mut lines = if keeps { Vec::new() } else { self.shifts.define(host, 247, &mut Vec::new()) };
-        lines.push(vec![Seen::made("CYCL DEF ", 247.0), Seen::made("Q339=", row)]);
+        lines.push(vec![EvaluatedWord::made("CYCL DEF ", 247.0), EvaluatedWord::made("Q339=", row)]);
         Ok(lines)
     }
 }
 
 /// A call or definition of a tool by its number, or by the text that the machine has for it.
-fn with_tool(name: &str, number: String) -> Seen {
+fn with_tool(name: &str, number: String) -> EvaluatedWord {
     let value = number.parse().ok();
-    Seen { name: name.into(), value, rest: Rest::Written(number.into()), span: MADE, function: None }
+    EvaluatedWord { name: name.into(), value, rest: Rest::Written(number.into()), span: MADE, function: None }
 }

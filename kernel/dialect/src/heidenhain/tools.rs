@@ -7,8 +7,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::words::Seen;
-use crate::host::Host;
+use super::words::EvaluatedWord;
+use crate::host::InterpreterHost;
 
 /// Existing columns.
 const COLUMNS: std::ops::RangeInclusive<u32> = 1..=48;
@@ -43,14 +43,14 @@ const MOST: usize = 10_000;
 
 /// Data of tools from programs.
 #[derive(Debug, Default)]
-pub(super) struct Tools {
+pub(super) struct ToolTableValues {
     /// By tool and column; lengths in units of the machine.
     table: FxHashMap<(u32, u32), f64>,
     /// Pocket table by pocket and column.
     pockets: FxHashMap<(u32, u32), f64>,
 }
 
-impl Tools {
+impl ToolTableValues {
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
         (self.table.len() + self.pockets.len()) * 60
@@ -62,7 +62,7 @@ impl Tools {
     }
 
     /// A value of the tool table; none for a column or tool that does not exist.
-    pub(super) fn column(&self, host: &dyn Host, tool: u32, column: u32) -> Option<f64> {
+    pub(super) fn column(&self, host: &dyn InterpreterHost, tool: u32, column: u32) -> Option<f64> {
         if tool > LAST || !COLUMNS.contains(&column) {
             return None;
         }
@@ -75,7 +75,7 @@ impl Tools {
     }
 
     /// Writes a value of the tool table; whether there is such a place.
-    pub(super) fn write_column(&mut self, host: &mut dyn Host, tool: u32, column: u32, value: f64) -> bool {
+    pub(super) fn write_column(&mut self, host: &mut dyn InterpreterHost, tool: u32, column: u32, value: f64) -> bool {
         if !(1..=LAST).contains(&tool) || !COLUMNS.contains(&column) {
             return false;
         }
@@ -109,15 +109,15 @@ impl Tools {
     }
 
     /// Adds the allowances of the tool table to those of a TOOL CALL.
-    pub(super) fn add_allowances(&self, host: &dyn Host, tool: f64, seen: &mut Vec<Seen>) {
+    pub(super) fn add_allowances(&self, host: &dyn InterpreterHost, tool: f64, seen: &mut Vec<EvaluatedWord>) {
         for (column, name) in [(MORE_LENGTH, "DL"), (MORE_RADIUS, "DR")] {
             let more = self.column(host, row(tool), column).unwrap_or(0.0);
             if more == 0.0 {
                 continue;
             }
             match seen.iter_mut().find(|word| word.is(name) && word.value.is_some()) {
-                Some(word) => *word = Seen::made(name, word.value.unwrap_or(0.0) + more),
-                None => seen.push(Seen::made(name, more)),
+                Some(word) => *word = EvaluatedWord::made(name, word.value.unwrap_or(0.0) + more),
+                None => seen.push(EvaluatedWord::made(name, more)),
             }
         }
     }

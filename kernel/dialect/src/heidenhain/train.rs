@@ -6,15 +6,15 @@
 //! height of the end that they lead to or from. Refused: residual material (Q18).
 
 use counterpoint_motion::arc::by_center;
-use counterpoint_motion::contour::closed::{Closed, is_clear};
+use counterpoint_motion::contour::closed::{ClosedContour, is_clear};
 use counterpoint_motion::contour::element::{Element, distance, plus};
 use counterpoint_motion::contour::heights::heights;
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels, within_reason};
+use super::clearing::{CycleBlockWriter, levels, within_reason};
 use super::moves::{Moves, RAPID};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// The path of a train.
 struct Train {
@@ -29,7 +29,7 @@ struct Train {
 /// The same way backwards.
 fn backwards(way: &[(Element, [f64; 2])]) -> Vec<(Element, [f64; 2])> {
     let elements: Vec<Element> = way.iter().map(|(element, _)| *element).collect();
-    let back = Closed::open(elements).reversed();
+    let back = ClosedContour::open(elements).reversed();
     back.elements().iter().zip(way.iter().rev()).map(|(element, (_, [from, to]))| (*element, [*to, *from])).collect()
 }
 
@@ -65,7 +65,7 @@ impl Heidenhain {
     }
 
     /// The path of a train.
-    fn train(&self, host: &dyn Host) -> Result<Train, String> {
+    fn train(&self, host: &dyn InterpreterHost) -> Result<Train, String> {
         let contour = self.only_contour()?;
         let amount = self.cutter(host)? + self.sl(3) * host.length_factor();
         let described = self.cycles.contours.train;
@@ -82,7 +82,7 @@ impl Heidenhain {
         };
         let way =
             way.ok_or_else(|| "the tool with its allowance does not fit into the contour of cycle 14".to_owned())?;
-        let line = Closed::open(contour.elements.clone());
+        let line = ClosedContour::open(contour.elements.clone());
         if side.is_some() && way.iter().any(|element| !is_clear(element, std::slice::from_ref(&line), amount)) {
             return Err("a contour that leaves less room than the tool with its allowance is not emulated".to_owned());
         }
@@ -97,10 +97,10 @@ impl Heidenhain {
     }
 
     /// Cycle 25.
-    pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Moves, String> {
+    pub(super) fn follow_train(&self, host: &dyn InterpreterHost) -> Result<Moves, String> {
         let Train { arrives, way, leaves, side, .. } = self.train(host)?;
         let way: Vec<Element> = arrives.into_iter().chain(way).chain(leaves).collect();
-        let back = Closed::open(way.clone()).reversed();
+        let back = ClosedContour::open(way.clone()).reversed();
         // Climbing is along a contour that the tool is left of.
         let forward = (self.sl(15) >= 0.0) == side.is_none_or(|side| side > 0.0);
         let mut ways = [&way[..], back.elements()];
@@ -109,7 +109,7 @@ impl Heidenhain {
         }
         let (surface, safe) = (self.sl(5), self.sl(7));
         let alternates = self.sl(15) == 0.0;
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(safe, RAPID);
         for (at, level) in levels(surface, surface + self.sl(1), self.sl(10)).into_iter().enumerate() {
             let way = if alternates && at % 2 == 1 { ways[1] } else { ways[0] };
@@ -132,7 +132,7 @@ impl Heidenhain {
     }
 
     /// Cycle 276.
-    pub(super) fn follow_in_space(&self, host: &dyn Host) -> Result<Moves, String> {
+    pub(super) fn follow_in_space(&self, host: &dyn InterpreterHost) -> Result<Moves, String> {
         if self.sl(18) != 0.0 {
             return Err("residual material (Q18) is not emulated in cycle 276: program Q18=0".to_owned());
         }
@@ -162,7 +162,7 @@ impl Heidenhain {
             ways.reverse();
         }
         let (safe, alternates) = (self.sl(7), self.sl(15) == 0.0);
-        let mut blocks = Blocks::of(self, host);
+        let mut blocks = CycleBlockWriter::of(self, host);
         blocks.rise_to(safe, RAPID);
         let all = levels(0.0, self.sl(1), self.sl(10));
         within_reason(way.len(), all.len())?;

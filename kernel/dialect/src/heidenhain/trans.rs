@@ -10,12 +10,16 @@ use super::cycles::head;
 use super::eval::Evaluator;
 use super::path::AXES;
 use super::shifts::{SPACE, cycle as cycle_words};
-use super::words::{LeftBlock, Operand, Seen, Word};
-use crate::host::Host;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand};
+use crate::host::InterpreterHost;
 
 impl Heidenhain {
     /// A statement that begins with TRANS.
-    pub(super) fn transform(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
+    pub(super) fn transform(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let name = |at: usize| words.get(at).map_or("", |word| &*word.name);
         let rest = words.get(2..).unwrap_or_default();
         let (cycle, values) = match (name(1), name(2)) {
@@ -39,13 +43,17 @@ impl Heidenhain {
     }
 
     /// TRANS DATUM: cycle 7 by another name.
-    fn shift_datum(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
-        let (form, values) = words.get(2..).and_then(<[Word]>::split_first).unzip();
+    fn shift_datum(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        words: &[HeidenhainWord],
+    ) -> Result<Vec<LeftBlock>, Halt> {
+        let (form, values) = words.get(2..).and_then(<[HeidenhainWord]>::split_first).unzip();
         let mut all = vec![head(7)];
         match form.map(|word| &*word.name) {
             Some("AXIS") => all.extend_from_slice(values.unwrap_or_default()),
             Some("RESET") => {
-                let zero = |name: &str| Word::made(name, Operand::Number("0".into(), 0.0));
+                let zero = |name: &str| HeidenhainWord::made(name, Operand::Number("0".into(), 0.0));
                 let shifted = |at: &usize| *at < SPACE || self.shifts.datum(*at).is_some_and(|datum| datum != 0.0);
                 let letters = AXES.iter().enumerate().filter(|(at, _)| shifted(at));
                 all.extend(letters.map(|(_, letter)| zero(letter)));
@@ -55,7 +63,7 @@ impl Heidenhain {
                 let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
                     return Err(self.not_understood(host));
                 };
-                let table = seen.iter().map(Seen::own_text).find(|text| text.starts_with('"'));
+                let table = seen.iter().map(EvaluatedWord::own_text).find(|text| text.starts_with('"'));
                 let mut words = self.datum_row(host, row, table.as_deref())?;
                 self.take_shifts(&words);
                 self.shifts.define(host, 7, &mut words);
@@ -70,6 +78,6 @@ impl Heidenhain {
     }
 }
 
-fn number(name: &str, value: f64) -> Word {
-    Word::made(name, Operand::Number(format!("{value}").into(), value))
+fn number(name: &str, value: f64) -> HeidenhainWord {
+    HeidenhainWord::made(name, Operand::Number(format!("{value}").into(), value))
 }

@@ -4,8 +4,8 @@
 //! the plane of polar coordinates); the angle of a plane counts from its first axis: X to Y, Y to Z, Z to X.
 //! *Invariant:* the working plane and its pole are the same after the block as before it.
 
-use super::path::{Shape, Walk, axis};
-use super::words::{LeftBlock, Seen};
+use super::path::{PathBlockKind, PathBuilder, axis};
+use super::words::{EvaluatedWord, LeftBlock};
 use crate::contour::Point;
 
 /// Axes of a plane.
@@ -26,7 +26,7 @@ pub(super) struct Poles {
     pub(super) upright: Option<([usize; 2], Point)>,
 }
 
-impl Walk<'_> {
+impl PathBuilder<'_> {
     /// The pole of a `CC` with two axes that are not those of the working plane.
     pub(super) fn upright_pole(&self) -> Option<(Plane, Point)> {
         let said = |at: usize| {
@@ -64,14 +64,14 @@ impl Walk<'_> {
 
     /// A circle about such a pole: its plane is selected for this block alone.
     pub(super) fn upright_circle(&mut self, upright: (Plane, Point)) -> Vec<LeftBlock> {
-        self.upright_arc(upright, |walk| walk.circle(Shape::Arc))
+        self.upright_arc(upright, |walk| walk.circle(PathBlockKind::Arc))
     }
 
     /// A line, or a circle, to a point in polar coordinates about such a pole.
-    pub(super) fn upright_polar(&mut self, upright: (Plane, Point), shape: Shape) -> Vec<LeftBlock> {
+    pub(super) fn upright_polar(&mut self, upright: (Plane, Point), shape: PathBlockKind) -> Vec<LeftBlock> {
         match shape {
-            Shape::PolarLine if self.path.side.is_left.is_none() => self.upright(upright, Self::polar_line),
-            Shape::PolarArc => self.upright_arc(upright, Self::polar_arc),
+            PathBlockKind::PolarLine if self.path.side.is_left.is_none() => self.upright(upright, Self::polar_line),
+            PathBlockKind::PolarArc => self.upright_arc(upright, Self::polar_arc),
             _ => {
                 self.refuse(
                     "polar coordinates outside the working plane (CC with the tool axis) need LP or CP without radius \
@@ -94,14 +94,14 @@ impl Walk<'_> {
             self.refuse("a circle outside the working plane cannot be made here");
             return Vec::new();
         }
-        let mut lines = vec![vec![Seen::text(there)]];
+        let mut lines = vec![vec![EvaluatedWord::text(there)]];
         if self.keeps_center() {
             let working = std::mem::replace(&mut self.path.plane, plane);
             lines.push(self.pole_line(pole));
             self.path.plane = working;
         }
         lines.extend(self.upright((plane, pole), make));
-        lines.push(vec![Seen::text(back)]);
+        lines.push(vec![EvaluatedWord::text(back)]);
         if let Some(flat) = self.path.poles.flat.filter(|_| self.keeps_center()) {
             lines.push(self.pole_line(flat));
         }

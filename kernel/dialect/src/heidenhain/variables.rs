@@ -8,18 +8,18 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::formula::{Kind, Name};
+use super::formula::{ParameterKind, QParameter};
 use crate::call_stack::CallStack;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Value {
+pub(super) enum ParameterValue {
     Number(f64),
     Text(Arc<str>),
 }
 
-impl Default for Value {
+impl Default for ParameterValue {
     fn default() -> Self {
         Self::Number(0.0)
     }
@@ -43,7 +43,7 @@ pub(super) struct ControlState {
 
 impl ControlState {
     /// Value of a parameter that the control sets.
-    fn get(&self, index: u32, host: &dyn Host) -> Option<f64> {
+    fn get(&self, index: u32, host: &dyn InterpreterHost) -> Option<f64> {
         let in_force = || host.tool_in_force().map(|length| length / host.length_factor());
         Some(match index {
             108 => in_force()[1],
@@ -74,7 +74,7 @@ impl ControlState {
 
 /// Local data of a running program or label.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Level {
+pub(super) struct HeidenhainCallLevel {
     /// QL parameters; a label has none.
     local: FxHashMap<u32, f64>,
     /// Remaining passes of the running repeats, by line of their call.
@@ -85,18 +85,18 @@ pub(super) struct Level {
 
 /// The parameters of a kernel.
 #[derive(Debug, Default)]
-pub(super) struct Variables {
+pub(super) struct QParameterStore {
     q: FxHashMap<u32, f64>,
     kept: FxHashMap<u32, f64>,
     texts: FxHashMap<u32, Arc<str>>,
     /// Of the programs and labels that run; labels use the parameters of their program.
-    pub(super) calls: CallStack<Level>,
+    pub(super) calls: CallStack<HeidenhainCallLevel>,
     pub(super) control: ControlState,
 }
 
-impl Variables {
+impl QParameterStore {
     /// Whether there can be such a parameter.
-    pub(super) fn exists(name: Name) -> bool {
+    pub(super) fn exists(name: QParameter) -> bool {
         name.index <= name.kind.last()
     }
 
@@ -107,44 +107,48 @@ impl Variables {
         texts + local + (self.q.len() + self.kept.len()) * 32
     }
 
-    fn numbers(&self, kind: Kind) -> Option<&FxHashMap<u32, f64>> {
+    fn numbers(&self, kind: ParameterKind) -> Option<&FxHashMap<u32, f64>> {
         match kind {
-            Kind::Q => Some(&self.q),
-            Kind::Kept => Some(&self.kept),
-            Kind::Local => Some(&self.calls.program().local),
-            Kind::Text => None,
+            ParameterKind::Q => Some(&self.q),
+            ParameterKind::Kept => Some(&self.kept),
+            ParameterKind::Local => Some(&self.calls.program().local),
+            ParameterKind::Text => None,
         }
     }
 
     /// Value of a parameter, if it was set.
-    pub(super) fn get(&self, name: Name) -> Option<Value> {
+    pub(super) fn get(&self, name: QParameter) -> Option<ParameterValue> {
         match self.numbers(name.kind) {
-            Some(numbers) => numbers.get(&name.index).copied().map(Value::Number),
-            None => self.texts.get(&name.index).cloned().map(Value::Text),
+            Some(numbers) => numbers.get(&name.index).copied().map(ParameterValue::Number),
+            None => self.texts.get(&name.index).cloned().map(ParameterValue::Text),
         }
     }
 
     /// The control's own value of a parameter that was not set.
-    pub(super) fn of_control(&self, name: Name, host: &dyn Host) -> Option<Value> {
-        if name.kind == Kind::Q { self.control.get(name.index, host).map(Value::Number) } else { None }
+    pub(super) fn of_control(&self, name: QParameter, host: &dyn InterpreterHost) -> Option<ParameterValue> {
+        if name.kind == ParameterKind::Q {
+            self.control.get(name.index, host).map(ParameterValue::Number)
+        } else {
+            None
+        }
     }
 
     /// Sets a parameter that exists to a value of its kind; whether that is so.
-    pub(super) fn set(&mut self, name: Name, value: Value) -> bool {
+    pub(super) fn set(&mut self, name: QParameter, value: ParameterValue) -> bool {
         if !Self::exists(name) {
             return false;
         }
         match (name.kind, value) {
-            (Kind::Text, Value::Text(text)) => {
+            (ParameterKind::Text, ParameterValue::Text(text)) => {
                 self.texts.insert(name.index, text);
             }
-            (Kind::Q, Value::Number(value)) => {
+            (ParameterKind::Q, ParameterValue::Number(value)) => {
                 self.q.insert(name.index, value);
             }
-            (Kind::Kept, Value::Number(value)) => {
+            (ParameterKind::Kept, ParameterValue::Number(value)) => {
                 self.kept.insert(name.index, value);
             }
-            (Kind::Local, Value::Number(value)) => {
+            (ParameterKind::Local, ParameterValue::Number(value)) => {
                 self.calls.program_mut().local.insert(name.index, value);
             }
             _ => return false,
@@ -153,16 +157,16 @@ impl Variables {
     }
 
     /// Gives a parameter the value back that it had, or none.
-    pub(super) fn put_back(&mut self, name: Name, value: Option<Value>) {
+    pub(super) fn put_back(&mut self, name: QParameter, value: Option<ParameterValue>) {
         if let Some(value) = value {
             self.set(name, value);
             return;
         }
         match name.kind {
-            Kind::Q => self.q.remove(&name.index),
-            Kind::Kept => self.kept.remove(&name.index),
-            Kind::Local => self.calls.program_mut().local.remove(&name.index),
-            Kind::Text => {
+            ParameterKind::Q => self.q.remove(&name.index),
+            ParameterKind::Kept => self.kept.remove(&name.index),
+            ParameterKind::Local => self.calls.program_mut().local.remove(&name.index),
+            ParameterKind::Text => {
                 self.texts.remove(&name.index);
                 None
             }

@@ -8,9 +8,9 @@ use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
 
 use super::eval::Evaluator;
-use super::formula::{Name, parameter};
-use super::lex::Cursor;
-use super::variables::Value;
+use super::formula::{QParameter, parameter};
+use super::lex::HeidenhainCursor;
+use super::variables::ParameterValue;
 use crate::words::{Span, span};
 use counterpoint_machine::number::shortest;
 
@@ -24,20 +24,20 @@ pub(super) enum Operand {
     Sign(char),
     Parameter {
         negative: bool,
-        name: Name,
+        name: QParameter,
     },
 }
 
 /// A word.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Word {
+pub(super) struct HeidenhainWord {
     pub(super) name: Arc<str>,
     pub(super) operand: Operand,
     /// Its place in the text of the block; [`MADE`] for a word that the pre-processor makes.
     pub(super) span: Span,
 }
 
-impl Word {
+impl HeidenhainWord {
     /// A word that the pre-processor makes.
     pub(super) fn made(name: &str, operand: Operand) -> Self {
         Self { name: shared(name), operand, span: MADE }
@@ -67,7 +67,7 @@ pub(super) enum Rest {
 
 /// A word with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct EvaluatedWord {
     pub(super) name: Arc<str>,
     pub(super) value: Option<f64>,
     pub(super) rest: Rest,
@@ -76,7 +76,7 @@ pub(super) struct Seen {
     pub(super) function: Option<u16>,
 }
 
-impl Seen {
+impl EvaluatedWord {
     /// A word that the pre-processor makes.
     pub(super) fn made(name: &str, value: f64) -> Self {
         Self { name: shared(name), value: Some(value), rest: Rest::Value, span: MADE, function: None }
@@ -153,12 +153,12 @@ pub(super) fn shown(value: f64) -> String {
 }
 
 /// Reads all remaining words.
-pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
+pub(super) fn words(cursor: &mut HeidenhainCursor<'_>) -> Vec<HeidenhainWord> {
     let mut out = Vec::new();
     while !cursor.is_over() {
         let start = cursor.place();
         let word = word(cursor);
-        out.push(Word { span: span(start, cursor.place()), ..word });
+        out.push(HeidenhainWord { span: span(start, cursor.place()), ..word });
     }
     out
 }
@@ -178,36 +178,36 @@ fn shared(name: &str) -> Arc<str> {
     known.map_or_else(|| name.into(), Arc::clone)
 }
 
-fn plain(text: &str) -> Word {
-    Word::made(text, Operand::None)
+fn plain(text: &str) -> HeidenhainWord {
+    HeidenhainWord::made(text, Operand::None)
 }
 
-fn word(cursor: &mut Cursor<'_>) -> Word {
+fn word(cursor: &mut HeidenhainCursor<'_>) -> HeidenhainWord {
     if cursor.peek() == Some(b'"') {
         return plain(&format!("\"{}\"", cursor.quoted().unwrap_or_default()));
     }
     if let Some(name) = parameter(cursor) {
         if cursor.take(b'=') {
-            return Word::made(&format!("{name}="), operand(cursor, true));
+            return HeidenhainWord::made(&format!("{name}="), operand(cursor, true));
         }
-        return Word::made("", Operand::Parameter { negative: false, name });
+        return HeidenhainWord::made("", Operand::Parameter { negative: false, name });
     }
     let mut ahead = cursor.clone();
     let letters = ahead.letters();
     if letters.is_empty() {
         // A sign of its own, a number without a name, anything else.
         if let Some((text, value)) = cursor.number() {
-            return Word::made("", Operand::Number(Arc::from(&*text), value));
+            return HeidenhainWord::made("", Operand::Number(Arc::from(&*text), value));
         }
         let first = cursor.bump().map(String::from).unwrap_or_default();
-        return Word::made(&first, operand(cursor, false));
+        return HeidenhainWord::made(&first, operand(cursor, false));
     }
     // The parameter that is directly after a name.
     for ending in ["QL", "QR", "QS", "Q"] {
         let Some(name) = letters.strip_suffix(ending).filter(|name| !name.is_empty()) else { continue };
         if ahead.next_byte().is_some_and(|byte| byte.is_ascii_digit()) {
             cursor.take_text(name);
-            return Word::made(name, operand(cursor, false));
+            return HeidenhainWord::made(name, operand(cursor, false));
         }
     }
     *cursor = ahead;
@@ -231,11 +231,11 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
             }
         }
     }
-    Word::made(&name, operand(cursor, true))
+    HeidenhainWord::made(&name, operand(cursor, true))
 }
 
 /// The text after a name; blanks may precede a number.
-fn operand(cursor: &mut Cursor<'_>, blanks: bool) -> Operand {
+fn operand(cursor: &mut HeidenhainCursor<'_>, blanks: bool) -> Operand {
     if !blanks && cursor.next_byte().is_some_and(|byte| byte == b' ') {
         return Operand::None;
     }
@@ -273,39 +273,39 @@ fn operand(cursor: &mut Cursor<'_>, blanks: bool) -> Operand {
 
 impl Evaluator<'_> {
     /// The words with their values.
-    pub(super) fn seen(&mut self, words: &[Word]) -> Result<Vec<Seen>, Halt> {
+    pub(super) fn seen(&mut self, words: &[HeidenhainWord]) -> Result<Vec<EvaluatedWord>, Halt> {
         words.iter().map(|word| self.seen_word(word)).collect()
     }
 
-    fn seen_word(&mut self, word: &Word) -> Result<Seen, Halt> {
+    fn seen_word(&mut self, word: &HeidenhainWord) -> Result<EvaluatedWord, Halt> {
         let (value, rest) = match &word.operand {
             Operand::None => (None, Rest::Nothing),
             Operand::Number(text, value) => (Some(*value), Rest::Written(Arc::clone(text))),
             Operand::Sign(sign) => (None, Rest::Sign(*sign)),
             Operand::Parameter { negative, name: parameter } => match self.value_or_kept(*parameter)? {
-                Some(Value::Number(value)) => (Some(if *negative { -value } else { value }), Rest::Value),
-                Some(Value::Text(text)) => (None, Rest::Written(text)),
+                Some(ParameterValue::Number(value)) => (Some(if *negative { -value } else { value }), Rest::Value),
+                Some(ParameterValue::Text(text)) => (None, Rest::Written(text)),
                 None => (None, Rest::Written(parameter.to_string().into())),
             },
         };
-        Ok(Seen { name: Arc::clone(&word.name), value, rest, span: word.span, function: None })
+        Ok(EvaluatedWord { name: Arc::clone(&word.name), value, rest, span: word.span, function: None })
     }
 }
 
 /// A block of the remaining words.
-pub(super) type LeftBlock = Vec<Seen>;
+pub(super) type LeftBlock = Vec<EvaluatedWord>;
 
 /// A block of words after a head: a text of the machine, a G code, or nothing.
-pub(super) fn headed(head: &str, words: impl IntoIterator<Item = Seen>) -> LeftBlock {
+pub(super) fn headed(head: &str, words: impl IntoIterator<Item = EvaluatedWord>) -> LeftBlock {
     let first = (!head.is_empty()).then(|| match head.strip_prefix('G').and_then(|number| number.parse().ok()) {
-        Some(number) => Seen::made("G", number),
-        None => Seen::text(head),
+        Some(number) => EvaluatedWord::made("G", number),
+        None => EvaluatedWord::text(head),
     });
     first.into_iter().chain(words).collect()
 }
 
 /// The words of a block as text, one blank between them.
-pub(super) fn joined(words: &[Seen]) -> String {
+pub(super) fn joined(words: &[EvaluatedWord]) -> String {
     let mut out = String::new();
     for word in words {
         if !out.is_empty() {
@@ -321,13 +321,13 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Vec<String> {
-        words(&mut Cursor::new(text)).iter().map(|word| format!("{}|{:?}", word.name, word.operand)).collect()
+        words(&mut HeidenhainCursor::new(text)).iter().map(|word| format!("{}|{:?}", word.name, word.operand)).collect()
     }
 
     #[test]
     fn words_are_names_with_what_stands_behind_them() {
         let q = |negative, index| {
-            let name = Name { kind: super::super::formula::Kind::Q, index };
+            let name = QParameter { kind: super::super::formula::ParameterKind::Q, index };
             format!("{:?}", Operand::Parameter { negative, name })
         };
         assert_eq!(read("X+10 IY-.5"), ["X|Number(\"+10\", 10.0)", "IY|Number(\"-.5\", -0.5)"]);

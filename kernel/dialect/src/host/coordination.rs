@@ -2,7 +2,7 @@
 
 use counterpoint_event::FileId;
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// The arguments of a statement between channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,5 +79,5 @@ pub trait Coordination {
     ///
     /// # Errors
     /// The channel does not exist or runs, or the job was stopped.
-    fn select(&mut self, channel: i64, name: &str, program: Option<(FileId, Range)>) -> Acted;
+    fn select(&mut self, channel: i64, name: &str, program: Option<(FileId, ProgramRange)>) -> Acted;
 }

@@ -7,16 +7,16 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_event::FileId;
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::turning::strip::Strip;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 /// A subprogram that the interpreter calls.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Call {
+pub struct SubprogramCall {
     /// Name for events, messages and the subprogram macros.
     pub name: Arc<str>,
     /// Its place; a startup macro of the machine may know a place that the interpreter does not.
-    pub place: Option<(FileId, Range)>,
+    pub place: Option<(FileId, ProgramRange)>,
     /// Passes, at least 1.
     pub passes: u32,
     /// The end of its text is its return, without a return code.
@@ -27,11 +27,11 @@ pub struct Call {
 ///
 /// *Invariant:* loops of outer levels come first.
 #[derive(Debug, Default)]
-pub struct Loops(Vec<(usize, Spot)>);
+pub struct LoopStack(Vec<(usize, BlockStart)>);
 
-impl Loops {
+impl LoopStack {
     /// Enters a loop; false if the program is in it.
-    pub fn enter(&mut self, level: usize, start: Spot) -> bool {
+    pub fn enter(&mut self, level: usize, start: BlockStart) -> bool {
         let entered = !self.0.contains(&(level, start));
         if entered {
             self.0.push((level, start));
@@ -40,14 +40,14 @@ impl Loops {
     }
 
     /// Leaves a loop and those inside it, if the program is in it.
-    pub fn leave(&mut self, level: usize, start: Spot) {
+    pub fn leave(&mut self, level: usize, start: BlockStart) {
         if let Some(at) = self.position(level, start) {
             self.0.truncate(at);
         }
     }
 
     /// Leaves the loops inside a loop for its next pass; false if the program is not in it.
-    pub fn repeat(&mut self, level: usize, start: Spot) -> bool {
+    pub fn repeat(&mut self, level: usize, start: BlockStart) -> bool {
         let found = self.position(level, start);
         if let Some(at) = found {
             self.0.truncate(at + 1);
@@ -56,7 +56,7 @@ impl Loops {
     }
 
     /// Leaves the loops of a level that do not hold the target of a jump.
-    pub fn jump(&mut self, level: usize, holds: impl Fn(Spot) -> bool) {
+    pub fn jump(&mut self, level: usize, holds: impl Fn(BlockStart) -> bool) {
         self.0.retain(|&(of, start)| of != level || holds(start));
     }
 
@@ -75,14 +75,14 @@ impl Loops {
         self.0.is_empty()
     }
 
-    fn position(&self, level: usize, start: Spot) -> Option<usize> {
+    fn position(&self, level: usize, start: BlockStart) -> Option<usize> {
         self.0.iter().position(|inside| *inside == (level, start))
     }
 }
 
 /// A contour with a name (Okuma LAP).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct NamedContour {
     /// Its name.
     pub name: Arc<str>,
     /// First line.
@@ -96,7 +96,7 @@ pub struct Shape {
 }
 
 /// Program flow.
-pub trait Flow {
+pub trait FlowHost {
     /// The block continues at a line of its program.
     ///
     /// # Errors
@@ -106,17 +106,17 @@ pub trait Flow {
     /// The same at a block.
     ///
     /// # Errors
-    /// Those of [`Flow::go_to`].
-    fn go_to_block(&mut self, block: Spot) -> Acted;
+    /// Those of [`FlowHost::go_to`].
+    fn go_to_block(&mut self, block: BlockStart) -> Acted;
 
     /// The block with a sequence number: from here on, otherwise from the top of the program.
     ///
     /// # Errors
     /// There is none: an alarm.
-    fn sequence(&mut self, number: u32) -> Result<Spot, Halt>;
+    fn sequence(&mut self, number: u32) -> Result<BlockStart, Halt>;
 
     /// The block after another one of the program.
-    fn after(&self, block: Spot) -> Spot;
+    fn after(&self, block: BlockStart) -> BlockStart;
 
     /// All blocks programmed so far are executed before the following ones.
     ///
@@ -125,20 +125,20 @@ pub trait Flow {
     fn catch_up(&mut self) -> Acted;
 
     /// Loops that the programs are in.
-    fn loops(&mut self) -> &mut Loops;
+    fn loops(&mut self) -> &mut LoopStack;
 
     /// Calls a subprogram at the end of the block.
-    fn call(&mut self, call: Call);
+    fn call(&mut self, call: SubprogramCall);
 
     /// After every block that moves, the interpreter is asked for a call, or no longer.
     fn calls_modally(&mut self, on: bool);
 
     /// The cycle of the block goes along this contour.
-    fn cut_along(&mut self, shape: Shape);
+    fn cut_along(&mut self, shape: NamedContour);
 
     /// At the end of the block a subprogram runs whose moves are recorded, not made: they are the contour of cycles to
     /// come.
-    fn read_contour(&mut self, call: Call);
+    fn read_contour(&mut self, call: SubprogramCall);
 
     /// Whether moves are recorded, not made.
     fn reads_contour(&self) -> bool;
@@ -174,8 +174,8 @@ mod tests {
 
     #[test]
     fn a_jump_out_and_a_return_leave_loops() {
-        let [outer, inner, called] = [Spot::line(2), Spot::line(4), Spot::line(20)];
-        let mut loops = Loops::default();
+        let [outer, inner, called] = [BlockStart::line(2), BlockStart::line(4), BlockStart::line(20)];
+        let mut loops = LoopStack::default();
         assert!(loops.enter(0, outer) && loops.enter(0, inner) && loops.enter(1, called));
         assert!(!loops.enter(0, inner), "the next pass is no further loop");
         loops.return_to(0);

@@ -37,10 +37,10 @@ impl AxisPlace {
 
 /// The active codes of all groups.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Modes(pub Vec<(u16, CodeId, Option<CodeRowId>)>);
+pub struct ModalSnapshot(pub Vec<(u16, CodeId, Option<CodeRowId>)>);
 
 /// Positions, frames and modes of the channel.
-pub trait Frames {
+pub trait FrameHost {
     /// Axes of the channel, in its order.
     fn axes(&self) -> Vec<AxisPlace>;
 
@@ -158,8 +158,8 @@ pub trait Frames {
     fn is_active(&self, code: CodeId) -> bool;
 
     /// The active codes, to be restored later.
-    fn modes(&self) -> Modes;
+    fn modes(&self) -> ModalSnapshot;
 
     /// Makes such codes active again.
-    fn restore_modes(&mut self, modes: &Modes);
+    fn restore_modes(&mut self, modes: &ModalSnapshot);
 }

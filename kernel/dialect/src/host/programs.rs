@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use counterpoint_event::FileId;
 use counterpoint_fault::Acted;
-use counterpoint_program::key_words::Names;
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::key_words::StatementVocabulary;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
+use counterpoint_program::spot::BlockStart;
 
 /// Where a kernel is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct ProgramPlace {
     /// File of the block.
     pub file: FileId,
     /// Its line, from 1.
     pub line: u32,
     /// Lines of the program, or of the called text, that the block belongs to.
-    pub range: Range,
+    pub range: ProgramRange,
     /// The text of the block is its unchanged line of the file, so the code compiled for the line is valid.
     pub as_read: bool,
     /// The program has jumped back or called, so a line may run again.
@@ -25,9 +25,9 @@ pub struct Place {
 }
 
 /// Programs and the block in process.
-pub trait Programs {
+pub trait ProgramHost {
     /// Where the kernel is.
-    fn place(&self) -> Place;
+    fn place(&self) -> ProgramPlace;
 
     /// File and line of the block, when its text is that line and was not changed.
     fn unchanged_line(&self) -> Option<(FileId, u32)>;
@@ -36,17 +36,17 @@ pub trait Programs {
     fn level(&self) -> usize;
 
     /// Where the block begins.
-    fn spot(&self) -> Spot;
+    fn spot(&self) -> BlockStart;
 
     /// File and lines of the running program, none before the first one. After a return it is the caller, while
-    /// [`Programs::place`] remains that of the block.
-    fn program(&self) -> Option<(FileId, Range)>;
+    /// [`ProgramHost::place`] remains that of the block.
+    fn program(&self) -> Option<(FileId, ProgramRange)>;
 
     /// File and lines of the programs that run, the innermost first.
-    fn callers(&self) -> Vec<(FileId, Range)>;
+    fn callers(&self) -> Vec<(FileId, ProgramRange)>;
 
     /// Text of a file that is loaded, as the file of the block is.
-    fn source(&self, file: FileId) -> Option<Arc<Source>>;
+    fn source(&self, file: FileId) -> Option<Arc<ProgramSource>>;
 
     /// Whether blocks of the program may belong to another control: that of another component of a composite machine.
     fn shares_programs(&self) -> bool {
@@ -75,14 +75,14 @@ pub trait Programs {
     /// messages, which are displayed if `displays`.
     fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]>;
 
-    /// Displays messages of the block that [`Programs::strip`] found when its line was read for the first time.
+    /// Displays messages of the block that [`ProgramHost::strip`] found when its line was read for the first time.
     fn display_again(&mut self, text: &[u8], messages: &[(u32, u32)]);
 
     /// Names of words of the block other than letters.
-    fn names(&self) -> Names<'_>;
+    fn names(&self) -> StatementVocabulary<'_>;
 
     /// Visits the blocks of a line of a program: where each begins, and its text without comments and skipped portions.
-    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], Names<'_>));
+    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], StatementVocabulary<'_>));
 
     /// Whether blocks after an optional-skip mark of this level are skipped; `None` for a mark without number.
     fn skips(&self, level: Option<u8>) -> bool;

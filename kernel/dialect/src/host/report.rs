@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use counterpoint_fault::{Acted, Facts, Halt};
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 
-use counterpoint_machine::model::Output;
+use counterpoint_machine::model::PrintFileFormat;
 
 /// Ways to the log.
-pub trait Report {
+pub trait ReportHost {
     /// Displays a message to the operator.
     fn show(&mut self, text: &str);
 
@@ -18,7 +18,7 @@ pub trait Report {
     fn handles_messages(&self, text: &[u8]) -> bool;
 
     /// Reports a diagnostic of the block.
-    fn diagnose(&mut self, facts: &'static Facts, text: String);
+    fn diagnose(&mut self, facts: &'static DiagnosticFacts, text: String);
 
     /// Reports a word of the block that nothing recognises.
     ///
@@ -27,16 +27,16 @@ pub trait Report {
     fn report_unrecognised(&mut self, word: &str) -> Acted;
 
     /// Reports a diagnostic with a severity of its own.
-    fn report(&mut self, facts: &'static Facts, severity: u8, text: String);
+    fn report(&mut self, facts: &'static DiagnosticFacts, severity: u8, text: String);
 
     /// Reports an alarm; returns its effect: the channel stops, or the rest of the block is dropped.
-    fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt;
+    fn alarm(&mut self, facts: &'static DiagnosticFacts, text: String) -> Halt;
 
     /// Whether the machine continues after this alarm.
-    fn continues_after(&self, facts: &'static Facts) -> bool;
+    fn continues_after(&self, facts: &'static DiagnosticFacts) -> bool;
 
     /// The form in which the control writes the output of programs.
-    fn output(&self) -> &Output;
+    fn output(&self) -> &PrintFileFormat;
 
     /// The program opens or closes its output.
     fn open_output(&mut self, open: bool);

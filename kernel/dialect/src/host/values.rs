@@ -2,11 +2,11 @@
 //! machine's identification macro knows.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 /// Answer of the identification macro about an unknown variable, function or text.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
+pub enum IdentificationAnswer {
     /// There is no macro, or it leaves the matter to the control, which reports it.
     Unknown,
     /// Nothing happens and nothing is reported; inside an expression the value is 0.
@@ -17,7 +17,7 @@ pub enum Answer {
     Keep,
 }
 
-impl Answer {
+impl IdentificationAnswer {
     /// The answer, unless it is the text that was asked: evaluating that again would ask forever.
     pub fn unless(self, asked: &str) -> Self {
         match self {
@@ -41,12 +41,12 @@ pub enum NotThere {
 }
 
 /// Variables of the kernel and of the machine.
-pub trait Values {
+pub trait ValueHost {
     /// A variable that all channels share, by name, if it has a value.
     ///
     /// # Errors
     /// The job was stopped.
-    fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt>;
+    fn shared(&mut self, name: &str) -> Result<Option<MacroValue>, Halt>;
 
     /// The number of a variable that all channels share, by name, if it has one.
     ///
@@ -58,7 +58,7 @@ pub trait Values {
     ///
     /// # Errors
     /// The job was stopped.
-    fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted;
+    fn set_shared(&mut self, name: &str, value: Option<MacroValue>) -> Acted;
 
     /// Whether the machine gives common variables to each channel instead of sharing them.
     fn has_own_common(&self) -> bool;
@@ -98,5 +98,5 @@ pub trait Values {
     ///
     /// # Errors
     /// The macro stopped the channel.
-    fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt>;
+    fn identify(&mut self, text: &str, assigned: Option<&MacroValue>) -> Result<IdentificationAnswer, Halt>;
 }

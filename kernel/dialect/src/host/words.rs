@@ -2,7 +2,7 @@
 
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
 /// A word that the interpreter made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,13 +14,13 @@ pub struct MadeWord {
     /// Value.
     pub value: f64,
     /// The value is this number as written, which the register reads by its format.
-    pub written: Option<Number>,
+    pub written: Option<WrittenNumber>,
     /// Start and end in the text of the block.
     pub span: (u32, u32),
 }
 
 /// Words and codes of the machine.
-pub trait Words {
+pub trait WordHost {
     /// Whether words may begin with this text: a register of the machine has the name.
     fn is_register(&self, name: &str) -> bool;
 
@@ -70,7 +70,7 @@ pub trait Words {
     fn steps(&self, register: RegisterId) -> Option<f64>;
 
     /// Value of a number as a register reads it. Faults of the number are kept with the block.
-    fn read(&mut self, register: RegisterId, number: Number) -> f64;
+    fn read(&mut self, register: RegisterId, number: WrittenNumber) -> f64;
 
     /// Makes the value the sequence number of the block, if the register is that of sequence numbers and the block has
     /// none; whether it did.

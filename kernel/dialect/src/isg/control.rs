@@ -3,7 +3,7 @@
 use super::Isg;
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::Interpreter;
-use crate::outline::Reader;
+use crate::outline::OutlineReader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
@@ -16,9 +16,9 @@ static SYNTAX: Syntax = Syntax {
 };
 
 /// Controls with an ISG kernel.
-pub(crate) struct Control;
+pub(crate) struct IsgDialect;
 
-impl Dialect for Control {
+impl Dialect for IsgDialect {
     fn name(&self) -> &'static str {
         "isg"
     }
@@ -35,7 +35,7 @@ impl Dialect for Control {
         format!("{text} is not known to this control")
     }
 
-    fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
         Some(Box::new(Isg::new(&machine.variables.external)))
     }
 

@@ -4,16 +4,16 @@
 //! are places in the block.
 
 use counterpoint_fault as diag;
-use counterpoint_fault::Facts;
+use counterpoint_fault::DiagnosticFacts;
 
 /// Why a block cannot be read, and which alarm that is.
 #[derive(Debug, Clone)]
-pub(super) struct Mistake {
-    pub(super) facts: &'static Facts,
+pub(super) struct IsgSyntaxError {
+    pub(super) facts: &'static DiagnosticFacts,
     pub(super) text: String,
 }
 
-impl Mistake {
+impl IsgSyntaxError {
     /// A mistake in the text.
     pub(super) fn syntax(text: impl Into<String>) -> Self {
         Self { facts: &diag::MACRO_SYNTAX, text: text.into() }
@@ -32,12 +32,12 @@ impl Mistake {
 
 /// A text that is being read.
 #[derive(Debug, Clone)]
-pub(super) struct Cursor<'a> {
+pub(super) struct IsgCursor<'a> {
     text: &'a [u8],
     pub(super) at: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> IsgCursor<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
         Self { text, at: 0 }
     }
@@ -70,8 +70,8 @@ impl<'a> Cursor<'a> {
     }
 
     /// Takes a byte that has to be there.
-    pub(super) fn expect(&mut self, byte: u8, what: &str) -> Result<(), Mistake> {
-        if self.take(byte) { Ok(()) } else { Err(Mistake::expected(what, self.at)) }
+    pub(super) fn expect(&mut self, byte: u8, what: &str) -> Result<(), IsgSyntaxError> {
+        if self.take(byte) { Ok(()) } else { Err(IsgSyntaxError::expected(what, self.at)) }
     }
 
     /// Takes the bytes that fulfil something.
@@ -115,10 +115,12 @@ impl<'a> Cursor<'a> {
     }
 
     /// Nothing but blanks may follow.
-    pub(super) fn end(&mut self) -> Result<(), Mistake> {
+    pub(super) fn end(&mut self) -> Result<(), IsgSyntaxError> {
         match self.peek() {
             None => Ok(()),
-            Some(_) => Err(Mistake::syntax(format!("unexpected text after the statement at column {}", self.at + 1))),
+            Some(_) => {
+                Err(IsgSyntaxError::syntax(format!("unexpected text after the statement at column {}", self.at + 1)))
+            }
         }
     }
 }

@@ -5,9 +5,9 @@
 //! parts at the most and is [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs out of
 //! stack.
 
-use super::cursor::{Cursor, Mistake};
-use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
-use crate::numeric::{Function, Operator};
+use super::cursor::{IsgCursor, IsgSyntaxError};
+use crate::expression::{self, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read};
+use crate::numeric::{NumericFunction, NumericOperator};
 
 /// Parts of an expression.
 const MOST: usize = 256;
@@ -20,20 +20,20 @@ const SUM: usize = 8;
 
 /// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Own {
-    Variable(Variable),
+pub(super) enum IsgOp {
+    Variable(IsgVariable),
     /// Ten to a power.
     PowerOfTen,
 }
 
-pub(super) type Op = expression::Op<f64, Own>;
+pub(super) type Op = expression::ExpressionOp<f64, IsgOp>;
 
 /// An expression.
-pub(super) type Expr = Code<f64, Own>;
+pub(super) type Expr = CompiledExpression<f64, IsgOp>;
 
 /// A variable that is read or written.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Variable {
+pub(super) enum IsgVariable {
     /// A parameter P by its number, with the indices of an array.
     Parameter(Box<Expr>, Box<[Expr]>),
     /// `V.…`, with the indices of an array.
@@ -41,45 +41,54 @@ pub(super) enum Variable {
 }
 
 /// Functions, with their names.
-const FUNCTIONS: &[(&str, Function)] = &[
-    ("ATAN", Function::Atan),
-    ("SQR", Function::Square),
-    ("LOG", Function::Log),
-    ("INT", Function::Fix),
-    ("FRACT", Function::Frac),
-    ("ROUND", Function::Round),
-    ("NOT", Function::Not),
+const FUNCTIONS: &[(&str, NumericFunction)] = &[
+    ("ATAN", NumericFunction::Atan),
+    ("SQR", NumericFunction::Square),
+    ("LOG", NumericFunction::Log),
+    ("INT", NumericFunction::Fix),
+    ("FRACT", NumericFunction::Frac),
+    ("ROUND", NumericFunction::Round),
+    ("NOT", NumericFunction::Not),
 ];
 
 /// Reads expressions from a text.
-pub(super) struct Reader<'c, 'a> {
-    cursor: &'c mut Cursor<'a>,
+pub(super) struct IsgExpressionReader<'c, 'a> {
+    cursor: &'c mut IsgCursor<'a>,
     ops: Vec<Op>,
     parts: usize,
     /// Brackets and signs around the current operand.
     depth: usize,
 }
 
-impl Grammar for Reader<'_, '_> {
+impl Grammar for IsgExpressionReader<'_, '_> {
     type Value = f64;
-    type Own = Own;
-    type Mistake = Mistake;
+    type Own = IsgOp;
+    type Mistake = IsgSyntaxError;
 
     const OPERATORS: Operators = &[
-        &[("||", Operator::Or), ("OR", Operator::Or)],
-        &[("^^", Operator::Xor), ("XOR", Operator::Xor)],
-        &[("&&", Operator::And), ("AND", Operator::And)],
-        &[("|", Operator::BitOr)],
-        &[("^", Operator::BitXor)],
-        &[("&", Operator::BitAnd)],
-        &[("==", Operator::Eq), ("!=", Operator::Ne)],
-        &[("<=", Operator::Le), (">=", Operator::Ge), ("<", Operator::Lt), (">", Operator::Gt)],
-        &[("+", Operator::Add), ("-", Operator::Sub)],
-        &[("*", Operator::Mul), ("/", Operator::Div), ("MOD", Operator::Rem)],
-        &[("**", Operator::Power)],
+        &[("||", NumericOperator::Or), ("OR", NumericOperator::Or)],
+        &[("^^", NumericOperator::Xor), ("XOR", NumericOperator::Xor)],
+        &[("&&", NumericOperator::And), ("AND", NumericOperator::And)],
+        &[("|", NumericOperator::BitOr)],
+        &[("^", NumericOperator::BitXor)],
+        &[("&", NumericOperator::BitAnd)],
+        &[("==", NumericOperator::Eq), ("!=", NumericOperator::Ne)],
+        &[
+            ("<=", NumericOperator::Le),
+            (">=", NumericOperator::Ge),
+            ("<", NumericOperator::Lt),
+            (">", NumericOperator::Gt),
+        ],
+        &[("+", NumericOperator::Add), ("-", NumericOperator::Sub)],
+        &[("*", NumericOperator::Mul), ("/", NumericOperator::Div), ("MOD", NumericOperator::Rem)],
+        &[("**", NumericOperator::Power)],
     ];
-    const SIGNS: &'static [(&'static str, Sign)] =
-        &[("+", Sign::Plus), ("-", Sign::Minus), ("!", Sign::Not), ("NOT", Sign::Not)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)] = &[
+        ("+", PrefixOperator::Plus),
+        ("-", PrefixOperator::Minus),
+        ("!", PrefixOperator::Not),
+        ("NOT", PrefixOperator::Not),
+    ];
 
     fn ops(&mut self) -> &mut Vec<Op> {
         &mut self.ops
@@ -99,7 +108,7 @@ impl Grammar for Reader<'_, '_> {
         is
     }
 
-    fn operand(&mut self) -> Result<Part, Mistake> {
+    fn operand(&mut self) -> Result<ExpressionPart, IsgSyntaxError> {
         match self.cursor.peek() {
             Some(b'[') => {
                 self.cursor.at += 1;
@@ -109,7 +118,7 @@ impl Grammar for Reader<'_, '_> {
             }
             Some(b'0'..=b'9' | b'.') => self.number(),
             Some(b'A'..=b'Z') => self.name(),
-            _ => Err(Mistake::expected("a value", self.cursor.at)),
+            _ => Err(IsgSyntaxError::expected("a value", self.cursor.at)),
         }
     }
 
@@ -117,7 +126,7 @@ impl Grammar for Reader<'_, '_> {
         Some(-value)
     }
 
-    fn nest(&mut self, _: bool) -> Result<(), Mistake> {
+    fn nest(&mut self, _: bool) -> Result<(), IsgSyntaxError> {
         self.count()?;
         self.depth += 1;
         if self.depth > DEEPEST { Err(self.too_long()) } else { Ok(()) }
@@ -127,54 +136,54 @@ impl Grammar for Reader<'_, '_> {
         self.depth -= signs + 1;
     }
 
-    fn check(&mut self, _: usize, _: bool) -> Result<(), Mistake> {
+    fn check(&mut self, _: usize, _: bool) -> Result<(), IsgSyntaxError> {
         self.count()
     }
 }
 
-impl<'c, 'a> Reader<'c, 'a> {
-    pub(super) fn new(cursor: &'c mut Cursor<'a>) -> Self {
+impl<'c, 'a> IsgExpressionReader<'c, 'a> {
+    pub(super) fn new(cursor: &'c mut IsgCursor<'a>) -> Self {
         Self { cursor, ops: Vec::new(), parts: 0, depth: 0 }
     }
 
     /// A whole expression.
-    pub(super) fn expression(&mut self) -> Result<Expr, Mistake> {
+    pub(super) fn expression(&mut self) -> Result<Expr, IsgSyntaxError> {
         self.from(0)
     }
 
     /// The value of a word: no comparisons and nothing looser.
-    pub(super) fn sum(&mut self) -> Result<Expr, Mistake> {
+    pub(super) fn sum(&mut self) -> Result<Expr, IsgSyntaxError> {
         self.from(SUM)
     }
 
-    fn from(&mut self, level: usize) -> Result<Expr, Mistake> {
+    fn from(&mut self, level: usize) -> Result<Expr, IsgSyntaxError> {
         let outer = std::mem::take(&mut self.ops);
         let done = read(self, level);
         let ops = std::mem::replace(&mut self.ops, outer);
-        done.map(|_| Code::new(ops))
+        done.map(|_| CompiledExpression::new(ops))
     }
 
-    fn too_long(&self) -> Mistake {
-        Mistake::syntax(format!("the expression is too long at column {}", self.cursor.at + 1))
+    fn too_long(&self) -> IsgSyntaxError {
+        IsgSyntaxError::syntax(format!("the expression is too long at column {}", self.cursor.at + 1))
     }
 
-    fn count(&mut self) -> Result<(), Mistake> {
+    fn count(&mut self) -> Result<(), IsgSyntaxError> {
         self.parts += 1;
         if self.parts > MOST { Err(self.too_long()) } else { Ok(()) }
     }
 
-    fn number(&mut self) -> Result<Part, Mistake> {
+    fn number(&mut self) -> Result<ExpressionPart, IsgSyntaxError> {
         let at = self.cursor.at;
         match number_text(self.cursor).parse() {
             Ok(value) => Ok(self.push(Op::Value(value))),
-            Err(_) => Err(Mistake::expected("a number", at)),
+            Err(_) => Err(IsgSyntaxError::expected("a number", at)),
         }
     }
 
-    fn name(&mut self) -> Result<Part, Mistake> {
+    fn name(&mut self) -> Result<ExpressionPart, IsgSyntaxError> {
         if is_variable(self.cursor) {
             let variable = self.variable()?;
-            return Ok(self.push(Op::Own(Own::Variable(variable))));
+            return Ok(self.push(Op::Own(IsgOp::Variable(variable))));
         }
         let at = self.cursor.at;
         let name = self.cursor.run(|byte| byte.is_ascii_alphabetic());
@@ -184,50 +193,50 @@ impl<'c, 'a> Reader<'c, 'a> {
             _ => {}
         }
         let function = FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
-        let op = match function.or_else(|| Function::named(name)) {
+        let op = match function.or_else(|| NumericFunction::named(name)) {
             Some(function) => Op::Apply(function),
-            None if name == "DEXP" => Op::Own(Own::PowerOfTen),
-            None => return Err(Mistake::expected("a value", at)),
+            None if name == "DEXP" => Op::Own(IsgOp::PowerOfTen),
+            None => return Err(IsgSyntaxError::expected("a value", at)),
         };
         let start = self.ops.len();
         self.cursor.expect(b'[', "'['")?;
         read(self, 0)?;
         self.cursor.expect(b']', "']'")?;
         self.ops.push(op);
-        Ok(Part { start, truth: false })
+        Ok(ExpressionPart { start, truth: false })
     }
 
     /// A variable, which has to be here.
-    pub(super) fn variable(&mut self) -> Result<Variable, Mistake> {
+    pub(super) fn variable(&mut self) -> Result<IsgVariable, IsgSyntaxError> {
         if self.cursor.take(b'P') {
             let number = match self.cursor.here() {
                 Some(b'0'..=b'9') => {
                     let at = self.cursor.at;
                     let digits = self.cursor.run(|byte| byte.is_ascii_digit());
-                    Expr::constant(digits.parse().map_err(|_| Mistake::expected("a number", at))?)
+                    Expr::constant(digits.parse().map_err(|_| IsgSyntaxError::expected("a number", at))?)
                 }
                 Some(b'P') => {
                     self.nest(false)?;
                     let inner = self.variable()?;
                     self.unnest(0);
-                    Expr::own(Own::Variable(inner))
+                    Expr::own(IsgOp::Variable(inner))
                 }
                 Some(b'[') => self.index()?,
-                _ => return Err(Mistake::expected("the number of a parameter", self.cursor.at)),
+                _ => return Err(IsgSyntaxError::expected("the number of a parameter", self.cursor.at)),
             };
-            return Ok(Variable::Parameter(Box::new(number), self.indices()?));
+            return Ok(IsgVariable::Parameter(Box::new(number), self.indices()?));
         }
         let start = self.cursor.at;
         self.cursor.run(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'.');
         let name = self.cursor.between(start);
         if !name.starts_with("V.") || name.len() < 5 || name.ends_with('.') {
-            return Err(Mistake::expected("a variable (P1, V.P.NAME)", start));
+            return Err(IsgSyntaxError::expected("a variable (P1, V.P.NAME)", start));
         }
-        Ok(Variable::Named(name.into(), self.indices()?))
+        Ok(IsgVariable::Named(name.into(), self.indices()?))
     }
 
     /// Indices close to their variable.
-    fn indices(&mut self) -> Result<Box<[Expr]>, Mistake> {
+    fn indices(&mut self) -> Result<Box<[Expr]>, IsgSyntaxError> {
         let mut indices = Vec::new();
         while self.cursor.here() == Some(b'[') {
             indices.push(self.index()?);
@@ -236,7 +245,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 
     /// A value in brackets.
-    pub(super) fn index(&mut self) -> Result<Expr, Mistake> {
+    pub(super) fn index(&mut self) -> Result<Expr, IsgSyntaxError> {
         self.cursor.expect(b'[', "'['")?;
         let index = self.expression()?;
         self.cursor.expect(b']', "']'")?;
@@ -245,7 +254,7 @@ impl<'c, 'a> Reader<'c, 'a> {
 }
 
 /// Whether a variable is here.
-pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
+pub(super) fn is_variable(cursor: &IsgCursor<'_>) -> bool {
     match (cursor.here(), cursor.ahead(1)) {
         (Some(b'V'), Some(b'.')) => true,
         (Some(b'P'), Some(b'0'..=b'9' | b'[')) => true,
@@ -255,7 +264,7 @@ pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
 }
 
 /// Whether the value of a word may begin here: a number, a sign, brackets, a variable or a function.
-pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
+pub(super) fn is_value(cursor: &IsgCursor<'_>) -> bool {
     match cursor.here() {
         Some(b'0'..=b'9' | b'.' | b'+' | b'-' | b'[') => true,
         Some(b'A'..=b'Z') => is_variable(cursor) || is_function(cursor),
@@ -264,15 +273,15 @@ pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
 }
 
 /// Whether a function comes next; a blank may be before its bracket.
-pub(super) fn is_function(cursor: &Cursor<'_>) -> bool {
+pub(super) fn is_function(cursor: &IsgCursor<'_>) -> bool {
     let mut ahead = cursor.clone();
     let name = ahead.run(|byte| byte.is_ascii_alphabetic());
-    let known = FUNCTIONS.iter().any(|(known, _)| *known == name) || Function::named(name).is_some();
+    let known = FUNCTIONS.iter().any(|(known, _)| *known == name) || NumericFunction::named(name).is_some();
     (known || name == "DEXP") && ahead.peek() == Some(b'[')
 }
 
 /// The digits of a number without sign.
-fn number_text<'a>(cursor: &mut Cursor<'a>) -> &'a str {
+fn number_text<'a>(cursor: &mut IsgCursor<'a>) -> &'a str {
     let start = cursor.at;
     cursor.run(|byte| byte.is_ascii_digit());
     if cursor.here() == Some(b'.') {
@@ -287,8 +296,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Expr {
-        let mut cursor = Cursor::new(text.as_bytes());
-        let expr = Reader::new(&mut cursor).expression().unwrap();
+        let mut cursor = IsgCursor::new(text.as_bytes());
+        let expr = IsgExpressionReader::new(&mut cursor).expression().unwrap();
         cursor.end().unwrap();
         expr
     }
@@ -310,16 +319,16 @@ mod tests {
 
     #[test]
     fn variables() {
-        let named = |name: &str| Expr::own(Own::Variable(Variable::Named(name.into(), Box::default())));
+        let named = |name: &str| Expr::own(IsgOp::Variable(IsgVariable::Named(name.into(), Box::default())));
         assert_eq!((read("V.E.PART"), read("V.A.ABS.X")), (named("V.E.PART"), named("V.A.ABS.X")));
         let one = || Box::new(Expr::constant(1.0));
-        assert_eq!(read("P1"), Expr::own(Own::Variable(Variable::Parameter(one(), Box::default()))));
-        let array = Variable::Parameter(one(), [Expr::constant(2.0), Expr::constant(3.0)].into());
-        assert_eq!(read("P1[2][3]"), Expr::own(Own::Variable(array)));
-        assert!(matches!(read("PP1").as_own(), Some(Own::Variable(Variable::Parameter(..)))));
+        assert_eq!(read("P1"), Expr::own(IsgOp::Variable(IsgVariable::Parameter(one(), Box::default()))));
+        let array = IsgVariable::Parameter(one(), [Expr::constant(2.0), Expr::constant(3.0)].into());
+        assert_eq!(read("P1[2][3]"), Expr::own(IsgOp::Variable(array)));
+        assert!(matches!(read("PP1").as_own(), Some(IsgOp::Variable(IsgVariable::Parameter(..)))));
         for wrong in ["V.", "V.P.", "V.X", "P", "Q1", "SIN 5", "1+", "[1", "1 2", &"[".repeat(100)] {
-            let mut cursor = Cursor::new(wrong.as_bytes());
-            let done = Reader::new(&mut cursor).expression();
+            let mut cursor = IsgCursor::new(wrong.as_bytes());
+            let done = IsgExpressionReader::new(&mut cursor).expression();
             assert!(done.is_err() || cursor.end().is_err(), "{wrong}");
         }
     }

@@ -7,18 +7,18 @@
 
 use std::sync::Arc;
 
-use super::expr::{Expr, Variable};
-use super::line::{Control, Item, Target};
-use super::places::{Block, Kind, Places};
-use super::{Fault, Isg, Outcome};
-use crate::host::{Call, Host, Programs};
+use super::expr::{Expr, IsgVariable};
+use super::line::{ControlStatement, IsgItem, IsgJumpTarget};
+use super::places::{ControlBlock, ControlBlockKind, IsgFileIndex};
+use super::{Isg, IsgBlockError, Outcome};
+use crate::host::{InterpreterHost, ProgramHost, SubprogramCall};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::search::Search;
-use counterpoint_program::shape::Range;
+use counterpoint_program::search::LabelSearchOrder;
+use counterpoint_program::shape::ProgramRange;
 
 fn loop_fault<T>(text: &str) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_LOOP, text.to_owned()))
+    Err(IsgBlockError::Alarm(&diag::MACRO_LOOP, text.to_owned()))
 }
 
 /// A condition is true from this absolute value on (TwinCAT programming manual, "Control blocks: IF branching").
@@ -26,12 +26,12 @@ const FULFILLED: f64 = 0.5;
 
 impl Isg {
     /// Labels and control blocks of a file.
-    pub(super) fn places(&mut self, host: &dyn Programs, file: FileId) -> Arc<Places> {
-        self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
+    pub(super) fn places(&mut self, host: &dyn ProgramHost, file: FileId) -> Arc<IsgFileIndex> {
+        self.places.get(file, || host.source(file).map(|source| IsgFileIndex::of(&source)).unwrap_or_default())
     }
 
     /// The control block of the block in process.
-    fn block_here(&mut self, host: &mut dyn Host) -> Outcome<Block> {
+    fn block_here(&mut self, host: &mut dyn InterpreterHost) -> Outcome<ControlBlock> {
         let place = host.place();
         let places = self.places(host, place.file);
         match places.block(place.line).filter(|block| block.last >= place.range.first) {
@@ -40,21 +40,21 @@ impl Isg {
         }
     }
 
-    fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
+    fn go(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         self.caching = true;
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
-            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leaves its program".to_owned()));
+            return Err(IsgBlockError::Alarm(&diag::JUMP_TARGET, "the jump leaves its program".to_owned()));
         }
         Ok(host.go_to(line)?)
     }
 
-    fn is_true(&mut self, host: &mut dyn Host, condition: &Expr) -> Outcome<bool> {
+    fn is_true(&mut self, host: &mut dyn InterpreterHost, condition: &Expr) -> Outcome<bool> {
         Ok(self.value(host, condition)?.abs() >= FULFILLED)
     }
 
     /// The condition of a loop.
-    fn repeats(&mut self, host: &mut dyn Host, condition: &Expr) -> Outcome<bool> {
+    fn repeats(&mut self, host: &mut dyn InterpreterHost, condition: &Expr) -> Outcome<bool> {
         host.tests_loop(true);
         let holds = self.is_true(host, condition);
         host.tests_loop(false);
@@ -62,7 +62,7 @@ impl Isg {
     }
 
     /// The flow item of another line of the program.
-    fn item_at(&mut self, host: &mut dyn Host, line: u32) -> Outcome<Option<Control>> {
+    fn item_at(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<Option<ControlStatement>> {
         let file = host.place().file;
         let line = self.line_of(host, file, line);
         let line = match &*line {
@@ -72,45 +72,45 @@ impl Isg {
         Ok(line
             .items
             .iter()
-            .find_map(|item| if let Item::Control(control) = item { Some(control.clone()) } else { None }))
+            .find_map(|item| if let IsgItem::Control(control) = item { Some(control.clone()) } else { None }))
     }
 
     /// Executes a control block.
-    pub(super) fn control(&mut self, host: &mut dyn Host, control: &Control) -> Outcome<()> {
+    pub(super) fn control(&mut self, host: &mut dyn InterpreterHost, control: &ControlStatement) -> Outcome<()> {
         match control {
-            Control::Mark => Ok(()),
-            Control::If(condition, Some(target)) => {
+            ControlStatement::Mark => Ok(()),
+            ControlStatement::If(condition, Some(target)) => {
                 if self.is_true(host, condition)? {
                     self.jump(host, target)
                 } else {
                     Ok(())
                 }
             }
-            Control::Goto(target) => self.jump(host, target),
-            Control::If(condition, None) => {
+            ControlStatement::Goto(target) => self.jump(host, target),
+            ControlStatement::If(condition, None) => {
                 let block = self.block_here(host)?;
                 if self.is_true(host, condition)? { Ok(()) } else { self.branch(host, &block) }
             }
             // The branch before it has run.
-            Control::Else | Control::ElseIf(_) => {
+            ControlStatement::Else | ControlStatement::ElseIf(_) => {
                 let block = self.block_here(host)?;
                 self.go(host, block.last.saturating_add(1))
             }
-            Control::Switch(value) => {
+            ControlStatement::Switch(value) => {
                 let block = self.block_here(host)?;
                 let value = self.value(host, value)?;
                 self.choose(host, &block, value)
             }
-            Control::Case(_) => self.block_here(host).map(|_| ()),
-            Control::While(condition) => {
+            ControlStatement::Case(_) => self.block_here(host).map(|_| ()),
+            ControlStatement::While(condition) => {
                 let block = self.block_here(host)?;
                 if self.repeats(host, condition)? { Ok(()) } else { self.go(host, block.last.saturating_add(1)) }
             }
-            Control::Until(condition) => {
+            ControlStatement::Until(condition) => {
                 let block = self.block_here(host)?;
                 if self.repeats(host, condition)? { Ok(()) } else { self.go(host, block.first.saturating_add(1)) }
             }
-            Control::For(variable, first, last, step) => {
+            ControlStatement::For(variable, first, last, step) => {
                 let block = self.block_here(host)?;
                 let first = self.value(host, first)?;
                 self.assign(host, variable, first)?;
@@ -119,9 +119,9 @@ impl Isg {
                 }
                 self.go(host, block.last.saturating_add(1))
             }
-            Control::EndFor => {
+            ControlStatement::EndFor => {
                 let block = self.block_here(host)?;
-                let Some(Control::For(variable, _, last, step)) = self.item_at(host, block.first)? else {
+                let Some(ControlStatement::For(variable, _, last, step)) = self.item_at(host, block.first)? else {
                     return loop_fault("$ENDFOR has no $FOR");
                 };
                 let value = self.read(host, &variable)? + self.value(host, &step)?;
@@ -131,11 +131,11 @@ impl Isg {
                 }
                 Ok(())
             }
-            Control::EndWhile => {
+            ControlStatement::EndWhile => {
                 let block = self.block_here(host)?;
                 self.go(host, block.first)
             }
-            Control::EndDo(condition) => {
+            ControlStatement::EndDo(condition) => {
                 let block = self.block_here(host)?;
                 let again = match condition {
                     Some(condition) => self.repeats(host, condition)?,
@@ -143,14 +143,14 @@ impl Isg {
                 };
                 if again { self.go(host, block.first.saturating_add(1)) } else { Ok(()) }
             }
-            Control::Break => {
+            ControlStatement::Break => {
                 let block = self.block_here(host)?;
                 self.go(host, block.last.saturating_add(1))
             }
-            Control::Continue => {
+            ControlStatement::Continue => {
                 let block = self.block_here(host)?;
                 match block.kind {
-                    Kind::While => self.go(host, block.first),
+                    ControlBlockKind::While => self.go(host, block.first),
                     _ => self.go(host, block.last),
                 }
             }
@@ -160,8 +160,8 @@ impl Isg {
     /// The variable of FOR is not beyond its last value.
     fn goes_on(
         &mut self,
-        host: &mut dyn Host,
-        (_, value): (&Variable, f64),
+        host: &mut dyn InterpreterHost,
+        (_, value): (&IsgVariable, f64),
         (last, step): (&Expr, &Expr),
     ) -> Outcome<bool> {
         let (last, step) = (self.value(host, last)?, self.value(host, step)?);
@@ -172,10 +172,10 @@ impl Isg {
     }
 
     /// The condition of IF does not hold: the first ELSEIF that does, otherwise ELSE, otherwise the end.
-    fn branch(&mut self, host: &mut dyn Host, block: &Block) -> Outcome<()> {
+    fn branch(&mut self, host: &mut dyn InterpreterHost, block: &ControlBlock) -> Outcome<()> {
         for mark in &block.marks {
             let holds = match self.item_at(host, *mark)? {
-                Some(Control::ElseIf(condition)) => self.is_true(host, &condition)?,
+                Some(ControlStatement::ElseIf(condition)) => self.is_true(host, &condition)?,
                 _ => true,
             };
             if holds {
@@ -186,11 +186,11 @@ impl Isg {
     }
 
     /// The CASE of a value, otherwise DEFAULT, otherwise the end.
-    fn choose(&mut self, host: &mut dyn Host, block: &Block, value: f64) -> Outcome<()> {
+    fn choose(&mut self, host: &mut dyn InterpreterHost, block: &ControlBlock, value: f64) -> Outcome<()> {
         let mut default = block.last;
         for mark in &block.marks {
             match self.item_at(host, *mark)? {
-                Some(Control::Case(case)) => {
+                Some(ControlStatement::Case(case)) => {
                     if self.value(host, &case)? == value {
                         return self.go(host, mark.saturating_add(1));
                     }
@@ -201,30 +201,31 @@ impl Isg {
         self.go(host, default.saturating_add(1))
     }
 
-    fn jump(&mut self, host: &mut dyn Host, target: &Target) -> Outcome<()> {
+    fn jump(&mut self, host: &mut dyn InterpreterHost, target: &IsgJumpTarget) -> Outcome<()> {
         let place = host.place();
         let places = self.places(host, place.file);
         let around = places.program(place.range, place.line);
         let (found, shown) = match target {
-            Target::Number(number) => {
+            IsgJumpTarget::Number(number) => {
                 let number = self.value(host, number)?;
                 let label =
                     if number.fract() == 0.0 && (0.0..=1e9).contains(&number) { Some(number as u32) } else { None };
-                let find = |label| places.numbers().find(&label, Search::Around, place.line, around);
+                let find = |label| places.numbers().find(&label, LabelSearchOrder::Around, place.line, around);
                 (label.and_then(find), format!("block N{number}"))
             }
-            Target::Name(name) => {
-                (places.names().find(name.as_str(), Search::Around, place.line, around), format!("label [{name}]"))
-            }
+            IsgJumpTarget::Name(name) => (
+                places.names().find(name.as_str(), LabelSearchOrder::Around, place.line, around),
+                format!("label [{name}]"),
+            ),
         };
         match found {
             Some(line) => self.go(host, line),
-            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("{shown} not found in the program"))),
+            None => Err(IsgBlockError::Alarm(&diag::JUMP_TARGET, format!("{shown} not found in the program"))),
         }
     }
 
     /// A call of a local subprogram, or of a file.
-    pub(super) fn call(&mut self, host: &mut dyn Host, local: bool, name: &str) -> Outcome<()> {
+    pub(super) fn call(&mut self, host: &mut dyn InterpreterHost, local: bool, name: &str) -> Outcome<()> {
         self.caching = true;
         let place = if local {
             let file = host.place().file;
@@ -232,12 +233,12 @@ impl Isg {
         } else {
             self.file(host, name)?
         };
-        host.call(Call { name: Arc::from(name), place, passes: 1, closes: true });
+        host.call(SubprogramCall { name: Arc::from(name), place, passes: 1, closes: true });
         Ok(())
     }
 
     /// The main program of a file.
-    pub(super) fn file(&mut self, host: &mut dyn Programs, name: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn file(&mut self, host: &mut dyn ProgramHost, name: &str) -> Outcome<Option<(FileId, ProgramRange)>> {
         let files = host.files();
         let last = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or(file).to_ascii_uppercase();
         let wanted = last(name);
@@ -247,7 +248,7 @@ impl Isg {
         let file = at as FileId;
         host.load(file)?;
         let main = self.places(host, file).main();
-        let whole = || host.source(file).map(|source| Range { number: None, first: 1, last: source.lines() });
+        let whole = || host.source(file).map(|source| ProgramRange { number: None, first: 1, last: source.lines() });
         Ok(main.or_else(whole).map(|range| (file, range)))
     }
 }

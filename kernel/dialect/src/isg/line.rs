@@ -4,38 +4,38 @@
 //! is neither word nor statement stays in the block for the tables of the machine. Invariant: items are in the order of
 //! the text.
 
-use super::cursor::{Cursor, Mistake, plain};
-use super::expr::{Expr, Reader, Variable, is_function, is_value, is_variable};
+use super::cursor::{IsgCursor, IsgSyntaxError, plain};
+use super::expr::{Expr, IsgExpressionReader, IsgVariable, is_function, is_value, is_variable};
 use super::message;
-use super::signals::{self, Statement};
+use super::signals::{self, SignalStatement};
 use crate::words::{Span, span};
 
 /// A block.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Line {
+pub(super) struct IsgLine {
     /// Marks of optional skip before the block.
     pub(super) skips: Vec<Option<u8>>,
     /// Place of the block number with its letter.
     pub(super) number: Option<Span>,
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<IsgItem>,
     /// The block in capitals, without comments.
     pub(super) plain: Box<[u8]>,
 }
 
 /// Part of a block.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Item {
+pub(super) enum IsgItem {
     /// An address with its value.
-    Word(Word),
+    Word(IsgWord),
     /// The time of a dwell without an address.
     Time(Expr, Span),
     /// `#TIME`.
     Dwell(Expr, Span),
-    Set(Variable, Expr),
+    Set(IsgVariable, Expr),
     /// A variable alone, between `#VAR` and `#ENDVAR`.
-    Declare(Variable),
-    Control(Control),
-    Signal(Box<Statement>),
+    Declare(IsgVariable),
+    Control(ControlStatement),
+    Signal(Box<SignalStatement>),
     /// `#MSG` with the values that its text shows.
     Message(String, Vec<Expr>),
     /// `LL NAME`, which is in the same file, or `L NAME`, a file.
@@ -51,7 +51,7 @@ pub(super) enum Item {
     Text(Span),
 }
 
-impl Item {
+impl IsgItem {
     /// Whether the item leaves words in the block.
     pub(super) fn remains(&self) -> bool {
         matches!(self, Self::Word(_) | Self::Time(..) | Self::Dwell(..) | Self::Text(_))
@@ -60,7 +60,7 @@ impl Item {
 
 /// An address with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Word {
+pub(super) struct IsgWord {
     pub(super) letter: u8,
     pub(super) value: Expr,
     /// Place of the value if the program has a number there.
@@ -68,7 +68,7 @@ pub(super) struct Word {
     pub(super) span: Span,
 }
 
-impl Word {
+impl IsgWord {
     /// Whether the number follows its letter, as in words of any control.
     pub(super) fn is_plain(&self) -> bool {
         self.number.is_some_and(|(start, _)| start == self.span.0 + 1)
@@ -77,17 +77,17 @@ impl Word {
 
 /// A control block.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Control {
-    If(Expr, Option<Target>),
+pub(super) enum ControlStatement {
+    If(Expr, Option<IsgJumpTarget>),
     ElseIf(Expr),
     Else,
     While(Expr),
     /// Variable, first value, last value, step.
-    For(Variable, Expr, Expr, Expr),
+    For(IsgVariable, Expr, Expr, Expr),
     Until(Expr),
     Switch(Expr),
     Case(Expr),
-    Goto(Target),
+    Goto(IsgJumpTarget),
     Break,
     Continue,
     EndWhile,
@@ -100,22 +100,22 @@ pub(super) enum Control {
 
 /// Where a jump leads.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Target {
+pub(super) enum IsgJumpTarget {
     Number(Expr),
     Name(String),
 }
 
 /// Head of a block: skips, number, label.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Head {
+pub(super) struct BlockHead {
     pub(super) skips: Vec<Option<u8>>,
     pub(super) number: Option<Span>,
     pub(super) label: Option<String>,
 }
 
 /// Reads the head of a block.
-pub(super) fn head(cursor: &mut Cursor<'_>) -> Head {
-    let mut head = Head::default();
+pub(super) fn head(cursor: &mut IsgCursor<'_>) -> BlockHead {
+    let mut head = BlockHead::default();
     while cursor.take(b'/') {
         let level = cursor.run(|byte| byte.is_ascii_digit());
         head.skips.push(level.parse().ok());
@@ -142,45 +142,45 @@ pub(super) fn head(cursor: &mut Cursor<'_>) -> Head {
 }
 
 /// Reads a block.
-pub(super) fn read(text: &[u8]) -> Result<Line, Mistake> {
+pub(super) fn read(text: &[u8]) -> Result<IsgLine, IsgSyntaxError> {
     let upper = plain(text);
-    let mut cursor = Cursor::new(&upper);
+    let mut cursor = IsgCursor::new(&upper);
     let head = head(&mut cursor);
     let (mut items, mut dwells) = (Vec::new(), false);
     while cursor.peek().is_some() {
         let item = item(&mut cursor, text, dwells)?;
-        if let Item::Word(Word { letter: b'G', value, .. }) = &item {
+        if let IsgItem::Word(IsgWord { letter: b'G', value, .. }) = &item {
             dwells |= value.as_constant() == Some(&4.0);
         }
         items.push(item);
     }
-    Ok(Line { skips: head.skips, number: head.number, items, plain: upper.into() })
+    Ok(IsgLine { skips: head.skips, number: head.number, items, plain: upper.into() })
 }
 
-fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mistake> {
+fn item(cursor: &mut IsgCursor<'_>, text: &[u8], dwells: bool) -> Result<IsgItem, IsgSyntaxError> {
     let start = cursor.at;
     match cursor.here() {
         Some(b'$') => {
             cursor.at += 1;
-            control(cursor).map(Item::Control)
+            control(cursor).map(IsgItem::Control)
         }
         Some(b'#') => hash(cursor, text),
         _ if is_variable(cursor) => {
-            let variable = Reader::new(cursor).variable()?;
+            let variable = IsgExpressionReader::new(cursor).variable()?;
             if cursor.peek() == Some(b'=') {
                 cursor.at += 1;
-                return Ok(Item::Set(variable, Reader::new(cursor).expression()?));
+                return Ok(IsgItem::Set(variable, IsgExpressionReader::new(cursor).expression()?));
             }
             if dwells {
                 cursor.at = start;
                 return time(cursor);
             }
-            Ok(Item::Declare(variable))
+            Ok(IsgItem::Declare(variable))
         }
         Some(b'L') if call_name(cursor).is_some() => {
             let (local, name, end) = call_name(cursor).unwrap_or_default();
             cursor.at = end;
-            Ok(Item::Call { local, name })
+            Ok(IsgItem::Call { local, name })
         }
         Some(letter @ b'A'..=b'Z') => Ok(word(cursor, letter)?.unwrap_or_else(|| rest_of_text(cursor, start))),
         Some(b'0'..=b'9' | b'.') if dwells => time(cursor),
@@ -189,14 +189,14 @@ fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mist
 }
 
 /// The time of a dwell.
-fn time(cursor: &mut Cursor<'_>) -> Result<Item, Mistake> {
+fn time(cursor: &mut IsgCursor<'_>) -> Result<IsgItem, IsgSyntaxError> {
     let start = cursor.at;
-    let time = Reader::new(cursor).sum()?;
-    Ok(Item::Time(time, span(start, cursor.trimmed(start))))
+    let time = IsgExpressionReader::new(cursor).sum()?;
+    Ok(IsgItem::Time(time, span(start, cursor.trimmed(start))))
 }
 
 /// An address with its value.
-fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
+fn word(cursor: &mut IsgCursor<'_>, letter: u8) -> Result<Option<IsgItem>, IsgSyntaxError> {
     let mut ahead = cursor.clone();
     ahead.at += 1;
     let close = ahead.here();
@@ -210,20 +210,20 @@ fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
     ahead.take(b'=');
     ahead.peek();
     let (first, start) = (cursor.at, ahead.at);
-    let value = Reader::new(&mut ahead).sum()?;
+    let value = IsgExpressionReader::new(&mut ahead).sum()?;
     let (end, spelled) = (ahead.trimmed(start), ahead.between(start).trim());
     // A number in brackets is an expression.
     let is_number = value.as_constant().is_some() && spelled.parse::<f64>().is_ok();
     cursor.at = ahead.at;
     if letter == b'M' && matches!(value.as_constant(), Some(17.0 | 29.0)) {
-        return Ok(Some(Item::Return));
+        return Ok(Some(IsgItem::Return));
     }
     let number = is_number.then(|| span(start, end));
-    Ok(Some(Item::Word(Word { letter, value, number, span: span(first, end) })))
+    Ok(Some(IsgItem::Word(IsgWord { letter, value, number, span: span(first, end) })))
 }
 
 /// Text up to a blank outside of brackets.
-fn rest_of_text(cursor: &mut Cursor<'_>, start: usize) -> Item {
+fn rest_of_text(cursor: &mut IsgCursor<'_>, start: usize) -> IsgItem {
     let mut depth = 0_usize;
     cursor.at = start;
     while let Some(byte) = cursor.here() {
@@ -235,11 +235,11 @@ fn rest_of_text(cursor: &mut Cursor<'_>, start: usize) -> Item {
         }
         cursor.at += 1;
     }
-    Item::Text(span(start, cursor.at))
+    IsgItem::Text(span(start, cursor.at))
 }
 
 /// `L NAME` or `LL NAME`: whether it is local, the name, where it ends.
-fn call_name(cursor: &Cursor<'_>) -> Option<(bool, String, usize)> {
+fn call_name(cursor: &IsgCursor<'_>) -> Option<(bool, String, usize)> {
     let mut ahead = cursor.clone();
     ahead.at += 1;
     let local = ahead.here() == Some(b'L');
@@ -253,89 +253,91 @@ fn call_name(cursor: &Cursor<'_>) -> Option<(bool, String, usize)> {
     name.starts_with(|c: char| !c.is_ascii_digit() && c != '-' && c != '=').then_some((local, name, ahead.at))
 }
 
-fn target(cursor: &mut Cursor<'_>) -> Result<Target, Mistake> {
+fn target(cursor: &mut IsgCursor<'_>) -> Result<IsgJumpTarget, IsgSyntaxError> {
     if cursor.take(b'[') {
         let name = cursor.run(|byte| byte != b']').trim().to_owned();
         cursor.expect(b']', "']'")?;
-        return Ok(Target::Name(name));
+        return Ok(IsgJumpTarget::Name(name));
     }
     cursor.expect(b'N', "N with a number, or a label in brackets")?;
-    Ok(Target::Number(Reader::new(cursor).sum()?))
+    Ok(IsgJumpTarget::Number(IsgExpressionReader::new(cursor).sum()?))
 }
 
-fn control(cursor: &mut Cursor<'_>) -> Result<Control, Mistake> {
+fn control(cursor: &mut IsgCursor<'_>) -> Result<ControlStatement, IsgSyntaxError> {
     let start = cursor.at;
     let word = cursor.run(|byte| byte.is_ascii_alphabetic());
     let control = match word {
         "IF" => {
-            let condition = Reader::new(cursor).expression()?;
+            let condition = IsgExpressionReader::new(cursor).expression()?;
             let jumps = cursor.key("$GOTO");
-            Control::If(condition, if jumps { Some(target(cursor)?) } else { None })
+            ControlStatement::If(condition, if jumps { Some(target(cursor)?) } else { None })
         }
-        "ELSEIF" => Control::ElseIf(Reader::new(cursor).expression()?),
-        "ELSE" => Control::Else,
-        "WHILE" => Control::While(Reader::new(cursor).expression()?),
-        "UNTIL" => Control::Until(Reader::new(cursor).expression()?),
-        "SWITCH" => Control::Switch(Reader::new(cursor).expression()?),
+        "ELSEIF" => ControlStatement::ElseIf(IsgExpressionReader::new(cursor).expression()?),
+        "ELSE" => ControlStatement::Else,
+        "WHILE" => ControlStatement::While(IsgExpressionReader::new(cursor).expression()?),
+        "UNTIL" => ControlStatement::Until(IsgExpressionReader::new(cursor).expression()?),
+        "SWITCH" => ControlStatement::Switch(IsgExpressionReader::new(cursor).expression()?),
         "CASE" => {
-            let value = Reader::new(cursor).expression()?;
+            let value = IsgExpressionReader::new(cursor).expression()?;
             cursor.take(b':');
-            Control::Case(value)
+            ControlStatement::Case(value)
         }
         "DEFAULT" => {
             cursor.take(b':');
-            Control::Mark
+            ControlStatement::Mark
         }
         "FOR" => {
             cursor.peek();
-            let variable = Reader::new(cursor).variable()?;
+            let variable = IsgExpressionReader::new(cursor).variable()?;
             cursor.expect(b'=', "'='")?;
             let mut value = |comma: bool| {
                 if comma {
                     cursor.expect(b',', "','")?;
                 }
-                Reader::new(cursor).expression()
+                IsgExpressionReader::new(cursor).expression()
             };
-            Control::For(variable, value(false)?, value(true)?, value(true)?)
+            ControlStatement::For(variable, value(false)?, value(true)?, value(true)?)
         }
-        "GOTO" => Control::Goto(target(cursor)?),
-        "BREAK" => Control::Break,
-        "CONTINUE" => Control::Continue,
-        "ENDWHILE" => Control::EndWhile,
-        "ENDFOR" => Control::EndFor,
-        "ENDDO" if cursor.peek().is_some() => Control::EndDo(Some(Reader::new(cursor).expression()?)),
-        "ENDDO" => Control::EndDo(None),
-        "ENDIF" | "DO" | "REPEAT" | "ENDSWITCH" => Control::Mark,
-        _ => return Err(Mistake::syntax(format!("${word} at column {start} is no statement"))),
+        "GOTO" => ControlStatement::Goto(target(cursor)?),
+        "BREAK" => ControlStatement::Break,
+        "CONTINUE" => ControlStatement::Continue,
+        "ENDWHILE" => ControlStatement::EndWhile,
+        "ENDFOR" => ControlStatement::EndFor,
+        "ENDDO" if cursor.peek().is_some() => {
+            ControlStatement::EndDo(Some(IsgExpressionReader::new(cursor).expression()?))
+        }
+        "ENDDO" => ControlStatement::EndDo(None),
+        "ENDIF" | "DO" | "REPEAT" | "ENDSWITCH" => ControlStatement::Mark,
+        _ => return Err(IsgSyntaxError::syntax(format!("${word} at column {start} is no statement"))),
     };
     cursor.end()?;
     Ok(control)
 }
 
 /// Statements with `#`.
-fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
+fn hash(cursor: &mut IsgCursor<'_>, text: &[u8]) -> Result<IsgItem, IsgSyntaxError> {
     let start = cursor.at;
     cursor.at += 1;
     let word = cursor.run(|byte| byte.is_ascii_alphabetic());
     let item = match word {
-        "SIGNAL" | "WAIT" if signals::is_one(word, cursor) => Item::Signal(Box::new(signals::read(word, cursor)?)),
+        "SIGNAL" | "WAIT" if signals::is_one(word, cursor) => IsgItem::Signal(Box::new(signals::read(word, cursor)?)),
         "TIME" => {
-            let time = Reader::new(cursor).sum()?;
-            Item::Dwell(time, span(start, cursor.trimmed(start)))
+            let time = IsgExpressionReader::new(cursor).sum()?;
+            IsgItem::Dwell(time, span(start, cursor.trimmed(start)))
         }
-        "VAR" | "ENDVAR" => Item::Idle,
+        "VAR" | "ENDVAR" => IsgItem::Idle,
         "FLUSH" => {
             let _ = cursor.word("WAIT") || cursor.word("CONTINUE");
-            Item::Idle
+            IsgItem::Idle
         }
         "MSG" => {
             let (text, values) = message::read(cursor, text)?;
-            Item::Message(text, values)
+            IsgItem::Message(text, values)
         }
         _ => {
             cursor.at = start;
             cursor.run(|_| true);
-            Item::Text(span(start, cursor.at))
+            IsgItem::Text(span(start, cursor.at))
         }
     };
     cursor.end()?;
@@ -346,14 +348,14 @@ fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
 mod tests {
     use super::*;
 
-    fn items(text: &str) -> Vec<Item> {
+    fn items(text: &str) -> Vec<IsgItem> {
         read(text.as_bytes()).unwrap().items
     }
 
     fn spelled(text: &str) -> Vec<(char, Option<&str>)> {
         let number = |(start, end): Span| text.get(start as usize..end as usize).unwrap();
-        let word = |item: Item| match item {
-            Item::Word(word) => (char::from(word.letter), word.number.map(number)),
+        let word = |item: IsgItem| match item {
+            IsgItem::Word(word) => (char::from(word.letter), word.number.map(number)),
             other => panic!("{other:?}"),
         };
         items(text).into_iter().map(word).collect()
@@ -366,17 +368,17 @@ mod tests {
         assert_eq!(spelled(line), expected);
         assert_eq!(spelled("X[8.1] Y-[1] Z-.5"), [('X', None), ('Y', None), ('Z', Some("-.5"))]);
         assert_eq!(spelled("XP1 YSIN[30] Z 4"), [('X', None), ('Y', None), ('Z', Some("4"))]);
-        assert!(matches!(items("G04 2.5")[..], [Item::Word(_), Item::Time(..)]));
-        assert!(matches!(items("G04 P1")[..], [Item::Word(_), Item::Time(..)]));
-        assert!(matches!(items("M17")[..], [Item::Return]));
+        assert!(matches!(items("G04 2.5")[..], [IsgItem::Word(_), IsgItem::Time(..)]));
+        assert!(matches!(items("G04 P1")[..], [IsgItem::Word(_), IsgItem::Time(..)]));
+        assert!(matches!(items("M17")[..], [IsgItem::Return]));
     }
 
     #[test]
     fn words_have_their_places() {
         let text = "N5 G1 x=P1 + 2 (a) Y 4 FOO[1] ; b";
-        let place = |item: &Item| match item {
-            Item::Word(word) => (word.span, word.is_plain()),
-            Item::Text(span) => (*span, false),
+        let place = |item: &IsgItem| match item {
+            IsgItem::Word(word) => (word.span, word.is_plain()),
+            IsgItem::Text(span) => (*span, false),
             other => panic!("{other:?}"),
         };
         let part = |((start, end), plain): (Span, bool)| (text.get(start as usize..end as usize).unwrap(), plain);
@@ -388,20 +390,23 @@ mod tests {
     fn heads() {
         let line = read(b"/2 N10: [LOOP] G0").unwrap();
         assert_eq!((line.skips, line.number, line.items.len()), (vec![Some(2)], Some((3, 6)), 1));
-        assert_eq!(head(&mut Cursor::new(b"[AGAIN]")).label.as_deref(), Some("AGAIN"));
+        assert_eq!(head(&mut IsgCursor::new(b"[AGAIN]")).label.as_deref(), Some("AGAIN"));
     }
 
     #[test]
     fn statements() {
-        assert!(matches!(items("$IF P1 > 3 $GOTO N50")[..], [Item::Control(Control::If(_, Some(Target::Number(_))))]));
-        assert!(matches!(items("$FOR P1 = 1, 10, 2")[..], [Item::Control(Control::For(..))]));
-        assert!(matches!(items("$GOTO [END]")[..], [Item::Control(Control::Goto(Target::Name(_)))]));
-        assert!(matches!(items("V.P.COUNT = 3")[..], [Item::Set(..)]));
-        assert!(matches!(items("#TIME 2.5")[..], [Item::Dwell(..)]));
-        assert_eq!(items("LL UP1"), [Item::Call { local: true, name: "UP1".to_owned() }]);
-        assert_eq!(items("L sub.nc"), [Item::Call { local: false, name: "SUB.NC".to_owned() }]);
-        assert_eq!(items("#MSG [\"Part (done)\"]"), [Item::Message("Part (done)".to_owned(), Vec::new())]);
-        assert_eq!(items("#HSC ON [A 1]"), [Item::Text((0, 13))]);
+        assert!(matches!(
+            items("$IF P1 > 3 $GOTO N50")[..],
+            [IsgItem::Control(ControlStatement::If(_, Some(IsgJumpTarget::Number(_))))]
+        ));
+        assert!(matches!(items("$FOR P1 = 1, 10, 2")[..], [IsgItem::Control(ControlStatement::For(..))]));
+        assert!(matches!(items("$GOTO [END]")[..], [IsgItem::Control(ControlStatement::Goto(IsgJumpTarget::Name(_)))]));
+        assert!(matches!(items("V.P.COUNT = 3")[..], [IsgItem::Set(..)]));
+        assert!(matches!(items("#TIME 2.5")[..], [IsgItem::Dwell(..)]));
+        assert_eq!(items("LL UP1"), [IsgItem::Call { local: true, name: "UP1".to_owned() }]);
+        assert_eq!(items("L sub.nc"), [IsgItem::Call { local: false, name: "SUB.NC".to_owned() }]);
+        assert_eq!(items("#MSG [\"Part (done)\"]"), [IsgItem::Message("Part (done)".to_owned(), Vec::new())]);
+        assert_eq!(items("#HSC ON [A 1]"), [IsgItem::Text((0, 13))]);
         assert!(read(b"$WHILE P1 < 3 X5").is_err() && read(b"$FOO").is_err());
     }
 }

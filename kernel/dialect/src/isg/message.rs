@@ -7,9 +7,9 @@
 
 use counterpoint_fault as diag;
 
-use super::cursor::{Cursor, Mistake};
-use super::expr::{Expr, Reader};
-use super::{Fault, Outcome};
+use super::cursor::{IsgCursor, IsgSyntaxError};
+use super::expr::{Expr, IsgExpressionReader};
+use super::{IsgBlockError, Outcome};
 
 /// Most characters of a value.
 const WIDEST: usize = 60;
@@ -18,11 +18,11 @@ const WIDEST: usize = 60;
 const BEFORE: [&str; 8] = ["SYN", "ASYN", "INFO", "SAVE", "HMI", "DIAG", "PLC", "DISK"];
 
 /// Reads the text after `#MSG` and its values; `text` is the block as it was written.
-pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<(String, Vec<Expr>), Mistake> {
+pub(super) fn read(cursor: &mut IsgCursor<'_>, text: &[u8]) -> Result<(String, Vec<Expr>), IsgSyntaxError> {
     while BEFORE.iter().any(|word| cursor.word(word)) {}
     let bracket = cursor.take(b'[');
     if cursor.peek() != Some(b'"') {
-        return Err(Mistake::expected("a text in quotation marks", cursor.at));
+        return Err(IsgSyntaxError::expected("a text in quotation marks", cursor.at));
     }
     cursor.at += 1;
     let begin = cursor.at;
@@ -31,7 +31,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<(String, Vec<
     cursor.expect(b'"', "the end of the text")?;
     let mut values = Vec::new();
     while cursor.take(b',') {
-        values.push(Reader::new(cursor).expression()?);
+        values.push(IsgExpressionReader::new(cursor).expression()?);
     }
     if bracket {
         cursor.expect(b']', "']'")?;
@@ -51,7 +51,7 @@ pub(super) fn filled(text: &str, values: &[f64]) -> Outcome<String> {
             out.push('%');
             continue;
         }
-        let mut format = Format::default();
+        let mut format = ValueFormat::default();
         while let Some(flag) = rest.next_if(|c| matches!(c, '-' | '+' | ' ' | '0')) {
             match flag {
                 '-' => format.left = true,
@@ -91,12 +91,12 @@ pub(super) fn filled(text: &str, values: &[f64]) -> Outcome<String> {
 }
 
 fn wrong<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_SYNTAX, text))
+    Err(IsgBlockError::Alarm(&diag::MACRO_SYNTAX, text))
 }
 
 /// How a value is written.
 #[derive(Debug, Clone, Copy, Default)]
-struct Format {
+struct ValueFormat {
     left: bool,
     zeros: bool,
     sign: Option<char>,
@@ -104,7 +104,7 @@ struct Format {
     places: Option<usize>,
 }
 
-impl Format {
+impl ValueFormat {
     fn piece(self, letter: char, value: f64) -> Option<String> {
         let size = value.abs();
         let places = self.places.unwrap_or(6);

@@ -20,52 +20,52 @@ mod store;
 use std::sync::Arc;
 
 use counterpoint_fault as diag;
-use counterpoint_fault::{Facts, Halt};
-use counterpoint_lang::value::Value;
+use counterpoint_fault::{DiagnosticFacts, Halt};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::model::Externals;
 
-pub(crate) use control::Control;
+pub(crate) use control::IsgDialect;
 
-use super::host::Host;
-use super::interpreter::{Interpreter, Remaining, Setting};
+use super::host::InterpreterHost;
+use super::interpreter::{Interpreter, Remaining, SettingOutcome};
 use counterpoint_event::FileId;
-use counterpoint_program::kept::{Kept, Tables};
-use cursor::{Cursor, Mistake};
-use expr::{Expr, Reader, Variable};
+use counterpoint_program::kept::{LineCache, TableCache};
+use cursor::{IsgCursor, IsgSyntaxError};
+use expr::{Expr, IsgExpressionReader, IsgVariable};
 
 /// Why executing a block failed.
 #[derive(Debug)]
-enum Fault {
+enum IsgBlockError {
     /// The channel stops.
     Halt(Halt),
     /// An alarm that is still to be reported.
-    Alarm(&'static Facts, String),
+    Alarm(&'static DiagnosticFacts, String),
 }
 
-impl From<Halt> for Fault {
+impl From<Halt> for IsgBlockError {
     fn from(halt: Halt) -> Self {
         Self::Halt(halt)
     }
 }
 
-impl From<Mistake> for Fault {
-    fn from(mistake: Mistake) -> Self {
+impl From<IsgSyntaxError> for IsgBlockError {
+    fn from(mistake: IsgSyntaxError) -> Self {
         Self::Alarm(mistake.facts, mistake.text)
     }
 }
 
-type Outcome<T> = Result<T, Fault>;
+type Outcome<T> = Result<T, IsgBlockError>;
 
 /// The pre-processor with its variables.
 #[derive(Debug)]
 pub(crate) struct Isg {
-    store: store::Store,
+    store: store::IsgVariableStore,
     /// Blocks that were read.
-    read: Kept<Result<line::Line, Mistake>>,
+    read: LineCache<Result<line::IsgLine, IsgSyntaxError>>,
     /// A line may run again, so its compiled form is worth keeping.
     caching: bool,
     /// Labels and control blocks of files.
-    places: Tables<FileId, places::Places>,
+    places: TableCache<FileId, places::IsgFileIndex>,
     /// The last `#SIGNAL READ` has found its signal.
     signal_read: bool,
 }
@@ -74,23 +74,33 @@ impl Isg {
     /// With the external variables of a machine.
     pub(crate) fn new(external: &Externals) -> Self {
         Self {
-            store: store::Store::new(external),
-            read: Kept::default(),
+            store: store::IsgVariableStore::new(external),
+            read: LineCache::default(),
             caching: false,
-            places: Tables::default(),
+            places: TableCache::default(),
             signal_read: false,
         }
     }
 
     /// A block of a file, read.
-    fn line_of(&mut self, host: &dyn Host, file: FileId, line: u32) -> Arc<Result<line::Line, Mistake>> {
+    fn line_of(
+        &mut self,
+        host: &dyn InterpreterHost,
+        file: FileId,
+        line: u32,
+    ) -> Arc<Result<line::IsgLine, IsgSyntaxError>> {
         let source = host.source(file);
         let text = source.as_ref().map(|source| source.line(line)).unwrap_or_default();
         self.read_line((file, line), text, true)
     }
 
     /// A block, read; kept if its text is that of the file.
-    fn read_line(&mut self, key: (FileId, u32), text: &[u8], as_read: bool) -> Arc<Result<line::Line, Mistake>> {
+    fn read_line(
+        &mut self,
+        key: (FileId, u32),
+        text: &[u8],
+        as_read: bool,
+    ) -> Arc<Result<line::IsgLine, IsgSyntaxError>> {
         if let Some(line) = self.read.get(key).filter(|_| as_read) {
             return Arc::clone(line);
         }
@@ -102,25 +112,25 @@ impl Isg {
     }
 
     /// A variable in native spelling, with its indices in it or apart.
-    fn spelled(name: &str, indices: &[f64]) -> Option<Variable> {
+    fn spelled(name: &str, indices: &[f64]) -> Option<IsgVariable> {
         let upper = name.trim().to_ascii_uppercase();
-        let mut cursor = Cursor::new(upper.as_bytes());
-        let variable = Reader::new(&mut cursor).variable().ok()?;
+        let mut cursor = IsgCursor::new(upper.as_bytes());
+        let variable = IsgExpressionReader::new(&mut cursor).variable().ok()?;
         cursor.end().ok()?;
         let more = || indices.iter().map(|index| Expr::constant(*index)).collect();
         Some(match variable {
-            Variable::Parameter(number, own) if own.is_empty() => Variable::Parameter(number, more()),
-            Variable::Named(name, own) if own.is_empty() => Variable::Named(name, more()),
+            IsgVariable::Parameter(number, own) if own.is_empty() => IsgVariable::Parameter(number, more()),
+            IsgVariable::Named(name, own) if own.is_empty() => IsgVariable::Named(name, more()),
             variable => variable,
         })
     }
 
     /// A fault becomes an alarm.
-    fn reported<T>(host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
+    fn reported<T>(host: &mut dyn InterpreterHost, outcome: Outcome<T>) -> Result<T, Halt> {
         match outcome {
             Ok(done) => Ok(done),
-            Err(Fault::Halt(halt)) => Err(halt),
-            Err(Fault::Alarm(facts, text)) => {
+            Err(IsgBlockError::Halt(halt)) => Err(halt),
+            Err(IsgBlockError::Alarm(facts, text)) => {
                 let text = format!("{text} in '{}'", host.block_text());
                 Err(host.alarm(facts, text))
             }
@@ -129,7 +139,7 @@ impl Isg {
 }
 
 impl Interpreter for Isg {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt> {
         let done = self.carry_out(host, text);
         Self::reported(host, done)
     }
@@ -140,7 +150,7 @@ impl Interpreter for Isg {
         self.caching = false;
     }
 
-    fn on_call(&mut self, _: &mut dyn Host) {
+    fn on_call(&mut self, _: &mut dyn InterpreterHost) {
         self.store.enter();
         self.caching = true;
     }
@@ -149,7 +159,7 @@ impl Interpreter for Isg {
         self.store.again();
     }
 
-    fn on_return(&mut self, _: &mut dyn Host) {
+    fn on_return(&mut self, _: &mut dyn InterpreterHost) {
         self.store.leave();
     }
 
@@ -157,27 +167,38 @@ impl Interpreter for Isg {
         self.read.clear();
     }
 
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt> {
         let Some(variable) = Self::spelled(name, indices) else { return Ok(None) };
         match self.read(host, &variable) {
-            Ok(value) => Ok(Some(Value::Real(value))),
-            Err(Fault::Halt(halt)) => Err(halt),
-            Err(Fault::Alarm(..)) => Ok(None),
+            Ok(value) => Ok(Some(MacroValue::Real(value))),
+            Err(IsgBlockError::Halt(halt)) => Err(halt),
+            Err(IsgBlockError::Alarm(..)) => Ok(None),
         }
     }
 
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt> {
         let Some(value) = value.as_real().filter(|value| value.is_finite()) else { return Ok(false) };
         let Some(variable) = Self::spelled(name, indices) else { return Ok(false) };
         match self.assign(host, &variable, value) {
             Ok(()) => Ok(true),
-            Err(Fault::Halt(halt)) => Err(halt),
-            Err(Fault::Alarm(..)) => Ok(false),
+            Err(IsgBlockError::Halt(halt)) => Err(halt),
+            Err(IsgBlockError::Alarm(..)) => Ok(false),
         }
     }
 
-    fn setting(&mut self, _: &mut dyn Host, _: &str, _: &[Value]) -> Setting {
-        Setting::Unknown
+    fn setting(&mut self, _: &mut dyn InterpreterHost, _: &str, _: &[MacroValue]) -> SettingOutcome {
+        SettingOutcome::Unknown
     }
 
     fn memory(&self) -> u64 {
@@ -187,5 +208,5 @@ impl Interpreter for Isg {
 
 /// An alarm about a variable.
 fn no_variable<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_VARIABLE, text))
+    Err(IsgBlockError::Alarm(&diag::MACRO_VARIABLE, text))
 }

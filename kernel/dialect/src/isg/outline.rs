@@ -4,23 +4,23 @@
 
 use super::Isg;
 use super::expr::Expr;
-use super::line::{Control, Item, Line, Target, read};
+use super::line::{ControlStatement, IsgItem, IsgJumpTarget, IsgLine, read};
 use super::places;
-use super::signals::Statement;
-use crate::host::{Programs, Signal};
-use crate::outline::{Called, Goal, Reader, Signalled, Step};
+use super::signals::SignalStatement;
+use crate::host::{ProgramHost, Signal};
+use crate::outline::{CallOutline, JumpDestination, OutlineReader, OutlineStep, Signalled};
 use crate::words::part;
-use counterpoint_program::search::Search;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::search::LabelSearchOrder;
+use counterpoint_program::spot::BlockStart;
 
-impl Reader for Isg {
-    fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
+impl OutlineReader for Isg {
+    fn outline(&mut self, programs: &mut dyn ProgramHost, text: &[u8]) -> Vec<OutlineStep> {
         if places::is_head(text) {
             return Vec::new();
         }
         let line = match read(text) {
             Ok(line) => line,
-            Err(mistake) => return vec![Step::Mistake(mistake.text)],
+            Err(mistake) => return vec![OutlineStep::Mistake(mistake.text)],
         };
         if line.skips.iter().any(|level| programs.skips(*level)) {
             return Vec::new();
@@ -30,93 +30,99 @@ impl Reader for Isg {
 }
 
 impl Isg {
-    fn steps(&mut self, programs: &mut dyn Programs, line: &Line, text: &[u8]) -> Vec<Step> {
+    fn steps(&mut self, programs: &mut dyn ProgramHost, line: &IsgLine, text: &[u8]) -> Vec<OutlineStep> {
         let (mut plain, mut steps) = (String::new(), Vec::new());
         for item in &line.items {
             match item {
-                Item::Word(word) => match word.number {
+                IsgItem::Word(word) => match word.number {
                     Some(number) => {
                         plain.push(char::from(word.letter));
                         plain.push_str(&part(&line.plain, number));
                         plain.push(' ');
                     }
-                    None => steps.push(Step::Computed(char::from(word.letter).to_string())),
+                    None => steps.push(OutlineStep::Computed(char::from(word.letter).to_string())),
                 },
-                Item::Text(span) => {
+                IsgItem::Text(span) => {
                     plain.push_str(part(text, *span).trim());
                     plain.push(' ');
                 }
-                Item::Control(control) => steps.extend(self.outlined(programs, control)),
-                Item::Signal(statement) => steps.push(Step::Signal(signalled(statement))),
-                Item::Call { local, name } => steps.push(self.called(programs, *local, name)),
-                Item::Return => steps.push(Step::Return),
-                Item::Time(..) | Item::Dwell(..) => {}
-                Item::Set(..) | Item::Declare(_) | Item::Message(..) | Item::Idle => {}
+                IsgItem::Control(control) => steps.extend(self.outlined(programs, control)),
+                IsgItem::Signal(statement) => steps.push(OutlineStep::Signal(signalled(statement))),
+                IsgItem::Call { local, name } => steps.push(self.called(programs, *local, name)),
+                IsgItem::Return => steps.push(OutlineStep::Return),
+                IsgItem::Time(..) | IsgItem::Dwell(..) => {}
+                IsgItem::Set(..) | IsgItem::Declare(_) | IsgItem::Message(..) | IsgItem::Idle => {}
             }
         }
-        steps.insert(0, Step::Words(plain.into_bytes()));
+        steps.insert(0, OutlineStep::Words(plain.into_bytes()));
         steps
     }
 
-    fn outlined(&mut self, programs: &dyn Programs, control: &Control) -> Option<Step> {
+    fn outlined(&mut self, programs: &dyn ProgramHost, control: &ControlStatement) -> Option<OutlineStep> {
         Some(match control {
-            Control::If(_, Some(target)) => Step::Branch(self.goal(programs, target)),
-            Control::Goto(target) => Step::Jump(self.goal(programs, target)),
+            ControlStatement::If(_, Some(target)) => OutlineStep::Branch(self.goal(programs, target)),
+            ControlStatement::Goto(target) => OutlineStep::Jump(self.goal(programs, target)),
             _ => {
                 let place = programs.place();
                 let places = self.places(programs, place.file);
                 let opens = matches!(
                     control,
-                    Control::If(..) | Control::While(_) | Control::For(..) | Control::Switch(_) | Control::Mark
+                    ControlStatement::If(..)
+                        | ControlStatement::While(_)
+                        | ControlStatement::For(..)
+                        | ControlStatement::Switch(_)
+                        | ControlStatement::Mark
                 );
                 match places.block(place.line) {
                     Some(block) if block.first == place.line => {
-                        let loops = !matches!(control, Control::If(..) | Control::Switch(_));
-                        Step::Block { end: Spot::line(block.last), loops }
+                        let loops = !matches!(control, ControlStatement::If(..) | ControlStatement::Switch(_));
+                        OutlineStep::Block { end: BlockStart::line(block.last), loops }
                     }
                     Some(_) => return None,
                     // DO and REPEAT are marks, too, but their blocks are known.
-                    None if matches!(control, Control::Mark) || !opens => return None,
-                    None => Step::Mistake("the control block has no matching statement".to_owned()),
+                    None if matches!(control, ControlStatement::Mark) || !opens => return None,
+                    None => OutlineStep::Mistake("the control block has no matching statement".to_owned()),
                 }
             }
         })
     }
 
-    fn goal(&mut self, programs: &dyn Programs, target: &Target) -> Goal {
+    fn goal(&mut self, programs: &dyn ProgramHost, target: &IsgJumpTarget) -> JumpDestination {
         let place = programs.place();
         let places = self.places(programs, place.file);
         let around = places.program(place.range, place.line);
         let (found, shown) = match target {
-            Target::Number(number) => {
-                let Some(number) = number.as_constant() else { return Goal::Computed };
+            IsgJumpTarget::Number(number) => {
+                let Some(number) = number.as_constant() else { return JumpDestination::Computed };
                 let label = (number.fract() == 0.0 && (0.0..=1e9).contains(number)).then_some(*number as u32);
-                let found = label.and_then(|label| places.numbers().find(&label, Search::Around, place.line, around));
+                let found =
+                    label.and_then(|label| places.numbers().find(&label, LabelSearchOrder::Around, place.line, around));
                 (found, format!("block N{number}"))
             }
-            Target::Name(name) => {
-                (places.names().find(name.as_str(), Search::Around, place.line, around), format!("label [{name}]"))
-            }
+            IsgJumpTarget::Name(name) => (
+                places.names().find(name.as_str(), LabelSearchOrder::Around, place.line, around),
+                format!("label [{name}]"),
+            ),
         };
-        found.map_or(Goal::Missing(shown), |line| Goal::At(Spot::line(line)))
+        found.map_or(JumpDestination::Missing(shown), |line| JumpDestination::At(BlockStart::line(line)))
     }
 
-    fn called(&mut self, programs: &mut dyn Programs, local: bool, name: &str) -> Step {
+    fn called(&mut self, programs: &mut dyn ProgramHost, local: bool, name: &str) -> OutlineStep {
         let place = if local {
             let file = programs.place().file;
             self.places(programs, file).subprogram(name).map(|range| (file, range))
         } else {
             match self.file(programs, name) {
                 Ok(place) => place,
-                Err(_) => return Step::Hidden(format!("the file of {name} cannot be read")),
+                Err(_) => return OutlineStep::Hidden(format!("the file of {name} cannot be read")),
             }
         };
-        Step::Call(Called { name: name.to_owned(), place, passes: Some(1) })
+        OutlineStep::Call(CallOutline { name: name.to_owned(), place, passes: Some(1) })
     }
 }
 
 /// A statement of signals, if all of its numbers are written.
-fn signalled(statement: &Statement) -> Signalled {
+fn signalled(statement: &SignalStatement) -> Signalled {
     let number = |expr: &Expr| expr.as_constant().copied();
     let all = |list: &[Expr]| list.iter().map(number).collect::<Option<Vec<f64>>>();
     let maybe = |expr: &Option<Expr>| match expr {

@@ -7,13 +7,13 @@
 
 use rustc_hash::FxHashMap;
 
-use super::cursor::{Cursor, plain};
-use super::line::{Head, head};
+use super::cursor::{IsgCursor, plain};
+use super::line::{BlockHead, head};
 use crate::words::part;
-use counterpoint_program::kept::Table;
+use counterpoint_program::kept::CachedTable;
 use counterpoint_program::search::Labels;
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
 use counterpoint_program::syntax::NamedPrograms;
 
 pub(super) const PROGRAMS: NamedPrograms =
@@ -21,7 +21,7 @@ pub(super) const PROGRAMS: NamedPrograms =
 
 /// A control block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ControlBlockKind {
     If,
     While,
     For,
@@ -32,8 +32,8 @@ pub(super) enum Kind {
 
 /// Lines of a control block.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Block {
-    pub(super) kind: Kind,
+pub(super) struct ControlBlock {
+    pub(super) kind: ControlBlockKind,
     pub(super) first: u32,
     /// 0 while it is open.
     pub(super) last: u32,
@@ -43,10 +43,10 @@ pub(super) struct Block {
 
 /// The items to be found in a file.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct IsgFileIndex {
     numbers: Labels<u32>,
     names: Labels<String>,
-    blocks: Vec<Block>,
+    blocks: Vec<ControlBlock>,
     /// The control block of a line.
     at: FxHashMap<u32, usize>,
     /// Name, whether it is a local subprogram, first and last line.
@@ -89,9 +89,9 @@ fn called(line: &[u8]) -> Option<String> {
     Some(name.to_ascii_uppercase())
 }
 
-impl Places {
+impl IsgFileIndex {
     /// Looks through a file.
-    pub(super) fn of(source: &Source) -> Self {
+    pub(super) fn of(source: &ProgramSource) -> Self {
         let mut places = Self::default();
         let mut open: Vec<usize> = Vec::new();
         for line in source.walk(1, source.lines()) {
@@ -106,8 +106,8 @@ impl Places {
                 continue;
             }
             let upper = plain(text);
-            let mut cursor = Cursor::new(&upper);
-            let Head { number, label, .. } = head(&mut cursor);
+            let mut cursor = IsgCursor::new(&upper);
+            let BlockHead { number, label, .. } = head(&mut cursor);
             let digits = |(start, end)| part(&upper, (start + 1, end)).parse().ok();
             if let Some(number) = number.and_then(digits) {
                 places.numbers.add(number, line);
@@ -126,27 +126,27 @@ impl Places {
 
     fn control(&mut self, open: &mut Vec<usize>, word: &str, jumps: bool, line: u32) {
         let opened = match word {
-            "IF" if !jumps => Some(Kind::If),
-            "WHILE" => Some(Kind::While),
-            "FOR" => Some(Kind::For),
-            "DO" => Some(Kind::Do),
-            "REPEAT" => Some(Kind::Repeat),
-            "SWITCH" => Some(Kind::Switch),
+            "IF" if !jumps => Some(ControlBlockKind::If),
+            "WHILE" => Some(ControlBlockKind::While),
+            "FOR" => Some(ControlBlockKind::For),
+            "DO" => Some(ControlBlockKind::Do),
+            "REPEAT" => Some(ControlBlockKind::Repeat),
+            "SWITCH" => Some(ControlBlockKind::Switch),
             _ => None,
         };
         if let Some(kind) = opened {
             self.at.insert(line, self.blocks.len());
             open.push(self.blocks.len());
-            self.blocks.push(Block { kind, first: line, last: 0, marks: Vec::new() });
+            self.blocks.push(ControlBlock { kind, first: line, last: 0, marks: Vec::new() });
             return;
         }
         let closed = match word {
-            "ENDIF" => Some(Kind::If),
-            "ENDWHILE" => Some(Kind::While),
-            "ENDFOR" => Some(Kind::For),
-            "ENDDO" => Some(Kind::Do),
-            "UNTIL" => Some(Kind::Repeat),
-            "ENDSWITCH" => Some(Kind::Switch),
+            "ENDIF" => Some(ControlBlockKind::If),
+            "ENDWHILE" => Some(ControlBlockKind::While),
+            "ENDFOR" => Some(ControlBlockKind::For),
+            "ENDDO" => Some(ControlBlockKind::Do),
+            "UNTIL" => Some(ControlBlockKind::Repeat),
+            "ENDSWITCH" => Some(ControlBlockKind::Switch),
             _ => None,
         };
         let kind_of = |at: &usize| self.blocks.get(*at).map(|block| block.kind);
@@ -157,12 +157,12 @@ impl Places {
             }
             return;
         }
-        let holds = |kind: Kind| match word {
-            "ELSEIF" | "ELSE" => Some(kind == Kind::If),
-            "CASE" | "DEFAULT" => Some(kind == Kind::Switch),
+        let holds = |kind: ControlBlockKind| match word {
+            "ELSEIF" | "ELSE" => Some(kind == ControlBlockKind::If),
+            "CASE" | "DEFAULT" => Some(kind == ControlBlockKind::Switch),
             // These leave or repeat the innermost loop around them.
-            "BREAK" => (kind != Kind::If).then_some(true),
-            "CONTINUE" => (!matches!(kind, Kind::If | Kind::Switch)).then_some(true),
+            "BREAK" => (kind != ControlBlockKind::If).then_some(true),
+            "CONTINUE" => (!matches!(kind, ControlBlockKind::If | ControlBlockKind::Switch)).then_some(true),
             _ => Some(false),
         };
         let found = open.iter().rev().find_map(|at| Some((*at, holds(kind_of(at)?)?)));
@@ -175,26 +175,26 @@ impl Places {
     }
 
     /// The control block of a line, if it is complete.
-    pub(super) fn block(&self, line: u32) -> Option<&Block> {
+    pub(super) fn block(&self, line: u32) -> Option<&ControlBlock> {
         self.blocks.get(*self.at.get(&line)?).filter(|block| block.last > 0)
     }
 
     /// Lines of the program around a line.
-    pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
+    pub(super) fn program(&self, range: ProgramRange, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(.., first, last)| (*first..=*last).contains(&line));
         around.map_or((range.first, range.last), |(.., first, last)| (range.first.max(*first), range.last.min(*last)))
     }
 
     /// Lines of a local subprogram.
-    pub(super) fn subprogram(&self, name: &str) -> Option<Range> {
+    pub(super) fn subprogram(&self, name: &str) -> Option<ProgramRange> {
         let found = self.programs.iter().find(|(known, local, ..)| *local && known == name);
-        found.map(|(.., first, last)| Range { number: None, first: *first, last: *last })
+        found.map(|(.., first, last)| ProgramRange { number: None, first: *first, last: *last })
     }
 
     /// Lines of the main program of the file; none if no line is its head.
-    pub(super) fn main(&self) -> Option<Range> {
+    pub(super) fn main(&self) -> Option<ProgramRange> {
         let found = self.programs.iter().find(|(_, local, ..)| !*local);
-        found.map(|(.., first, last)| Range { number: None, first: *first, last: *last })
+        found.map(|(.., first, last)| ProgramRange { number: None, first: *first, last: *last })
     }
 
     /// Labels by number.
@@ -208,7 +208,7 @@ impl Places {
     }
 }
 
-impl Table for Places {
+impl CachedTable for IsgFileIndex {
     fn bytes(&self) -> usize {
         let labels = self.numbers.bytes() + self.names.bytes();
         let marks: usize = self.blocks.iter().map(|block| block.marks.len()).sum();
@@ -220,8 +220,8 @@ impl Table for Places {
 mod tests {
     use super::*;
 
-    fn places(text: &str) -> Places {
-        Places::of(&Source::new("t", bytes::Bytes::copy_from_slice(text.as_bytes())))
+    fn places(text: &str) -> IsgFileIndex {
+        IsgFileIndex::of(&ProgramSource::new("t", bytes::Bytes::copy_from_slice(text.as_bytes())))
     }
 
     #[test]
@@ -229,8 +229,8 @@ mod tests {
         let text = "$WHILE P1<3\n$IF P1==1\n$BREAK\n$ELSEIF P1==2\n$CONTINUE\n$ELSE\n$ENDIF\n$ENDWHILE\n$ENDIF\n$DO\n";
         let places = places(text);
         let block = |line| places.block(line).map(|block| (block.kind, block.first, block.last));
-        assert_eq!([1, 3, 5, 8].map(block), [Some((Kind::While, 1, 8)); 4]);
-        assert_eq!([2, 4, 6, 7].map(block), [Some((Kind::If, 2, 7)); 4]);
+        assert_eq!([1, 3, 5, 8].map(block), [Some((ControlBlockKind::While, 1, 8)); 4]);
+        assert_eq!([2, 4, 6, 7].map(block), [Some((ControlBlockKind::If, 2, 7)); 4]);
         assert_eq!(places.block(2).map(|block| block.marks.clone()), Some(vec![4, 6]));
         assert_eq!([9, 10].map(block), [None; 2], "a partner is missing");
     }
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn programs_of_a_file() {
         let places = places("(head)\n%L UP1\nG0\nM17\n%L up2 (two)\nG1\n%MAIN\nLL UP1\nM30\n");
-        let lines = |range: Option<Range>| range.map(|range| (range.first, range.last));
+        let lines = |range: Option<ProgramRange>| range.map(|range| (range.first, range.last));
         assert_eq!(lines(places.subprogram("UP1")), Some((2, 4)));
         assert_eq!(lines(places.subprogram("UP2")), Some((5, 6)));
         assert_eq!((lines(places.main()), lines(places.subprogram("MAIN"))), (Some((7, 9)), None));

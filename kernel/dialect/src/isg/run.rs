@@ -5,44 +5,44 @@
 //! alarm. Invariant: words keep their order and their places in the block.
 
 use counterpoint_fault as diag;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::cursor::Cursor;
-use super::expr::{Expr, Own, Reader, Variable};
-use super::line::Item;
-use super::{Fault, Isg, Outcome, message, no_variable, places};
+use super::cursor::IsgCursor;
+use super::expr::{Expr, IsgExpressionReader, IsgOp, IsgVariable};
+use super::line::IsgItem;
+use super::{Isg, IsgBlockError, Outcome, message, no_variable, places};
 use crate::expression::{Evaluate, Stack};
-use crate::host::{Answer, Host};
+use crate::host::{IdentificationAnswer, InterpreterHost};
 use crate::interpreter::Remaining;
-use crate::numeric::{Function, Operator, truth};
+use crate::numeric::{NumericFunction, NumericOperator, truth};
 use crate::words::{Valued, part};
 
 /// Most elements that a declaration makes.
 const ELEMENTS: f64 = 10_000.0;
 
 /// Evaluates with the variables of a kernel.
-struct Eval<'e> {
+struct IsgEvaluator<'e> {
     isg: &'e mut Isg,
-    host: &'e mut dyn Host,
+    host: &'e mut dyn InterpreterHost,
 }
 
-impl Evaluate<f64, Own> for Eval<'_> {
-    type Stop = Fault;
+impl Evaluate<f64, IsgOp> for IsgEvaluator<'_> {
+    type Stop = IsgBlockError;
 
-    fn own(&mut self, own: &Own, stack: &mut Stack<f64>) -> Outcome<f64> {
+    fn own(&mut self, own: &IsgOp, stack: &mut Stack<f64>) -> Outcome<f64> {
         match own {
-            Own::Variable(variable) => self.isg.read(self.host, variable),
-            Own::PowerOfTen => finite(Some(libm::pow(10.0, stack.pop())), "DEXP"),
+            IsgOp::Variable(variable) => self.isg.read(self.host, variable),
+            IsgOp::PowerOfTen => finite(Some(libm::pow(10.0, stack.pop())), "DEXP"),
         }
     }
 
-    fn apply(&mut self, function: Function, value: f64) -> Outcome<f64> {
+    fn apply(&mut self, function: NumericFunction, value: f64) -> Outcome<f64> {
         finite(function.value(value), function.name())
     }
 
-    fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Outcome<f64> {
+    fn combine(&mut self, operator: NumericOperator, left: f64, right: f64) -> Outcome<f64> {
         match operator.value(left, right) {
-            None => Err(Fault::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
+            None => Err(IsgBlockError::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
             value => finite(value, "the operator"),
         }
     }
@@ -51,13 +51,13 @@ impl Evaluate<f64, Own> for Eval<'_> {
 fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
     match value {
         Some(value) if value.is_finite() => Ok(value),
-        _ => Err(Fault::Alarm(&diag::MACRO_DOMAIN, format!("{name} has no value here"))),
+        _ => Err(IsgBlockError::Alarm(&diag::MACRO_DOMAIN, format!("{name} has no value here"))),
     }
 }
 
 impl Isg {
     /// Executes a block; words that remain are added to the block.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Remaining> {
+    pub(super) fn carry_out(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Outcome<Remaining> {
         let place = host.place();
         if places::is_head(text) {
             return program_head(host).map(|()| Remaining::Nothing);
@@ -75,7 +75,7 @@ impl Isg {
         if skipped {
             return Ok(Remaining::Nothing);
         }
-        let remains = line.items.iter().any(Item::remains);
+        let remains = line.items.iter().any(IsgItem::remains);
         if let Some(number) = line.number.filter(|_| remains && host.is_register("N")) {
             host.push_plain(&line.plain, number);
         }
@@ -86,62 +86,62 @@ impl Isg {
     }
 
     /// Executes an item of a block; `plain` is the block in capitals without comments.
-    fn item(&mut self, host: &mut dyn Host, item: &Item, (plain, text): (&[u8], &[u8])) -> Outcome<()> {
+    fn item(&mut self, host: &mut dyn InterpreterHost, item: &IsgItem, (plain, text): (&[u8], &[u8])) -> Outcome<()> {
         match item {
-            Item::Word(word) if word.is_plain() && host.register(word.letter).is_some() => {
+            IsgItem::Word(word) if word.is_plain() && host.register(word.letter).is_some() => {
                 host.push_plain(plain, word.span);
             }
-            Item::Word(word) => {
+            IsgItem::Word(word) => {
                 let value = self.value(host, &word.value)?;
                 let letter = [word.letter];
                 let name = std::str::from_utf8(&letter).unwrap_or_default();
                 let number = word.number.map(|number| part(plain, number));
                 put(host, &Valued { name, value, spelled: number.as_deref(), span: word.span }, text);
             }
-            Item::Time(time, span) => {
+            IsgItem::Time(time, span) => {
                 let time = self.value(host, time)?;
                 put(host, &Valued { name: "X", value: time, spelled: None, span: *span }, text);
             }
-            Item::Dwell(time, span) => {
+            IsgItem::Dwell(time, span) => {
                 let time = self.value(host, time)?;
                 put(host, &Valued { name: "G", value: 4.0, spelled: Some("4"), span: *span }, text);
                 put(host, &Valued { name: "X", value: time, spelled: None, span: *span }, text);
             }
-            Item::Set(variable, value) => {
+            IsgItem::Set(variable, value) => {
                 let value = self.value(host, value)?;
                 self.assign(host, variable, value)?;
             }
-            Item::Declare(variable) => self.declare(host, variable)?,
-            Item::Control(control) => self.control(host, control)?,
-            Item::Signal(statement) => {
+            IsgItem::Declare(variable) => self.declare(host, variable)?,
+            IsgItem::Control(control) => self.control(host, control)?,
+            IsgItem::Signal(statement) => {
                 if host.coordinates(statement.row()).is_none() {
                     let text = format!("the machine has no statement #{}", statement.row());
-                    return Err(Fault::Alarm(&diag::SIGNAL_STATEMENT, text));
+                    return Err(IsgBlockError::Alarm(&diag::SIGNAL_STATEMENT, text));
                 }
                 self.signal(host, statement)?;
             }
-            Item::Message(text, values) => {
+            IsgItem::Message(text, values) => {
                 let values = values.iter().map(|value| self.value(host, value)).collect::<Outcome<Vec<f64>>>()?;
                 host.show(&message::filled(text, &values)?);
             }
-            Item::Call { local, name } => self.call(host, *local, name)?,
-            Item::Return => host.return_from(),
-            Item::Idle => {}
-            Item::Text(span) => host.push_plain(text, *span),
+            IsgItem::Call { local, name } => self.call(host, *local, name)?,
+            IsgItem::Return => host.return_from(),
+            IsgItem::Idle => {}
+            IsgItem::Text(span) => host.push_plain(text, *span),
         }
         Ok(())
     }
 
     /// Value of an expression.
-    pub(super) fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Outcome<f64> {
+    pub(super) fn value(&mut self, host: &mut dyn InterpreterHost, expr: &Expr) -> Outcome<f64> {
         if let Some(value) = expr.as_constant() {
             return Ok(*value);
         }
-        Eval { isg: self, host }.evaluate(expr)
+        IsgEvaluator { isg: self, host }.evaluate(expr)
     }
 
     /// The number of a parameter.
-    fn number(&mut self, host: &mut dyn Host, number: &Expr) -> Outcome<u32> {
+    fn number(&mut self, host: &mut dyn InterpreterHost, number: &Expr) -> Outcome<u32> {
         let number = self.value(host, number)?;
         if number.fract() == 0.0 && (0.0..=1e9).contains(&number) {
             return Ok(number as u32);
@@ -150,7 +150,7 @@ impl Isg {
     }
 
     /// A name with the values of its indices.
-    fn full_name(&mut self, host: &mut dyn Host, name: &str, indices: &[Expr]) -> Outcome<String> {
+    fn full_name(&mut self, host: &mut dyn InterpreterHost, name: &str, indices: &[Expr]) -> Outcome<String> {
         let mut full = name.to_owned();
         for index in indices {
             full.push_str(&format!("[{}]", self.value(host, index)?));
@@ -159,7 +159,7 @@ impl Isg {
     }
 
     /// The only index of an external variable.
-    fn index(&mut self, host: &mut dyn Host, name: &str, indices: &[Expr]) -> Outcome<Option<f64>> {
+    fn index(&mut self, host: &mut dyn InterpreterHost, name: &str, indices: &[Expr]) -> Outcome<Option<f64>> {
         match indices {
             [] => Ok(None),
             [index] => self.value(host, index).map(Some),
@@ -168,22 +168,22 @@ impl Isg {
     }
 
     /// Value of a variable.
-    pub(super) fn read(&mut self, host: &mut dyn Host, variable: &Variable) -> Outcome<f64> {
+    pub(super) fn read(&mut self, host: &mut dyn InterpreterHost, variable: &IsgVariable) -> Outcome<f64> {
         let (full, value) = match variable {
-            Variable::Parameter(number, indices) if indices.is_empty() => {
+            IsgVariable::Parameter(number, indices) if indices.is_empty() => {
                 let number = self.number(host, number)?;
                 match self.store.parameter(number) {
                     Some(value) => return Ok(value),
                     None => (format!("P{number}"), None),
                 }
             }
-            Variable::Parameter(number, indices) => {
+            IsgVariable::Parameter(number, indices) => {
                 let name = format!("P{}", self.number(host, number)?);
                 let full = self.full_name(host, &name, indices)?;
                 let value = self.store.named(&full);
                 (full, value)
             }
-            Variable::Named(name, indices) => {
+            IsgVariable::Named(name, indices) => {
                 if name.starts_with("V.E.") {
                     let index = self.index(host, name, indices)?;
                     return self.store.read_external(host, name, index);
@@ -203,7 +203,7 @@ impl Isg {
     }
 
     /// Variables of the control that the kernel knows.
-    fn system(&self, host: &dyn Host, name: &str) -> Option<f64> {
+    fn system(&self, host: &dyn InterpreterHost, name: &str) -> Option<f64> {
         if name == "V.G.SIGNAL_READ" {
             return Some(truth(self.signal_read));
         }
@@ -212,24 +212,24 @@ impl Isg {
     }
 
     /// Data that only the machine has.
-    fn asked(&mut self, host: &mut dyn Host, name: &str) -> Outcome<f64> {
+    fn asked(&mut self, host: &mut dyn InterpreterHost, name: &str) -> Outcome<f64> {
         match host.identify(name, None)?.unless(name) {
-            Answer::Drop | Answer::Keep => Ok(0.0),
-            Answer::Instead(answer) => {
+            IdentificationAnswer::Drop | IdentificationAnswer::Keep => Ok(0.0),
+            IdentificationAnswer::Instead(answer) => {
                 let upper = answer.to_ascii_uppercase();
-                let mut cursor = Cursor::new(upper.as_bytes());
-                let expr = Reader::new(&mut cursor).expression()?;
+                let mut cursor = IsgCursor::new(upper.as_bytes());
+                let expr = IsgExpressionReader::new(&mut cursor).expression()?;
                 cursor.end()?;
                 self.value(host, &expr)
             }
-            Answer::Unknown => no_variable(format!("{name} has no value")),
+            IdentificationAnswer::Unknown => no_variable(format!("{name} has no value")),
         }
     }
 
     /// Sets a variable.
-    pub(super) fn assign(&mut self, host: &mut dyn Host, variable: &Variable, value: f64) -> Outcome<()> {
+    pub(super) fn assign(&mut self, host: &mut dyn InterpreterHost, variable: &IsgVariable, value: f64) -> Outcome<()> {
         let changed = match variable {
-            Variable::Parameter(number, indices) => {
+            IsgVariable::Parameter(number, indices) => {
                 let number = self.number(host, number)?;
                 if indices.is_empty() {
                     self.store.set_parameter(number, value)?
@@ -238,7 +238,7 @@ impl Isg {
                     self.store.set_named(&full, value)?
                 }
             }
-            Variable::Named(name, indices) => {
+            IsgVariable::Named(name, indices) => {
                 if name.starts_with("V.E.") {
                     let index = self.index(host, name, indices)?;
                     return self.store.write_external(host, (name, index), value);
@@ -247,9 +247,11 @@ impl Isg {
                 if ["V.P.", "V.L.", "V.S."].iter().any(|family| full.starts_with(family)) {
                     self.store.set_named(&full, value)?
                 } else {
-                    return match host.identify(&full, Some(&Value::Real(value)))?.unless(&full) {
-                        Answer::Drop | Answer::Keep | Answer::Instead(_) => Ok(()),
-                        Answer::Unknown => no_variable(format!("{full} cannot be set")),
+                    return match host.identify(&full, Some(&MacroValue::Real(value)))?.unless(&full) {
+                        IdentificationAnswer::Drop | IdentificationAnswer::Keep | IdentificationAnswer::Instead(_) => {
+                            Ok(())
+                        }
+                        IdentificationAnswer::Unknown => no_variable(format!("{full} cannot be set")),
                     };
                 }
             }
@@ -261,10 +263,10 @@ impl Isg {
     }
 
     /// A variable alone: it begins with 0, an array with this many elements, unless it has a value.
-    fn declare(&mut self, host: &mut dyn Host, variable: &Variable) -> Outcome<()> {
+    fn declare(&mut self, host: &mut dyn InterpreterHost, variable: &IsgVariable) -> Outcome<()> {
         let (name, indices) = match variable {
-            Variable::Named(name, indices) if !name.starts_with("V.E.") => (name.to_string(), indices),
-            _ => return Err(Fault::Alarm(&diag::MACRO_SYNTAX, "expected '=' after the variable".to_owned())),
+            IsgVariable::Named(name, indices) if !name.starts_with("V.E.") => (name.to_string(), indices),
+            _ => return Err(IsgBlockError::Alarm(&diag::MACRO_SYNTAX, "expected '=' after the variable".to_owned())),
         };
         let mut sizes = Vec::new();
         for index in indices {
@@ -290,14 +292,14 @@ impl Isg {
 }
 
 /// Adds a word to the block; if the machine does not have the word, its text stays unchanged.
-fn put(host: &mut dyn Host, word: &Valued<'_>, text: &[u8]) {
+fn put(host: &mut dyn InterpreterHost, word: &Valued<'_>, text: &[u8]) {
     if !word.push(host) {
         host.push_unknown(text, word.span);
     }
 }
 
 /// At the head of a second program, goes to the end: execution does not run into the next program.
-fn program_head(host: &mut dyn Host) -> Outcome<()> {
+fn program_head(host: &mut dyn InterpreterHost) -> Outcome<()> {
     let place = host.place();
     let source = host.source(place.file);
     let is_first =

@@ -9,13 +9,13 @@
 use std::borrow::Cow;
 
 use counterpoint_fault as diag;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::model::{External, ExternalKind, Externals};
 use rustc_hash::FxHashMap;
 
-use super::{Fault, Outcome};
+use super::{IsgBlockError, Outcome};
 use crate::call_stack::CallStack;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Maximum number of elements of arrays and of variables with names.
 const MOST: usize = 100_000;
@@ -25,7 +25,7 @@ type Values = FxHashMap<Box<str>, f64>;
 
 /// Variables.
 #[derive(Debug)]
-pub(super) struct Store {
+pub(super) struct IsgVariableStore {
     parameters: FxHashMap<u32, f64>,
     /// V.P, V.S and elements of parameters.
     named: Values,
@@ -34,14 +34,14 @@ pub(super) struct Store {
     /// External variables of this channel alone.
     own: Values,
     /// Those of the machine by name.
-    external: FxHashMap<Box<str>, Row>,
+    external: FxHashMap<Box<str>, ExternalVariable>,
     /// Names that the machine does not describe are variables of all channels, too.
     any: bool,
 }
 
 /// The machine's row of an external variable.
 #[derive(Debug, Clone, Copy)]
-struct Row {
+struct ExternalVariable {
     own: bool,
     synchronous: bool,
     readable: bool,
@@ -52,7 +52,7 @@ struct Row {
 }
 
 /// A name that no row describes.
-const ANY: Row = Row {
+const ANY: ExternalVariable = ExternalVariable {
     own: false,
     synchronous: true,
     readable: true,
@@ -62,11 +62,14 @@ const ANY: Row = Row {
     value: 0.0,
 };
 
-impl Store {
+impl IsgVariableStore {
     pub(super) fn new(external: &Externals) -> Self {
         let row = |row: &External| {
             let External { own, synchronous, readable, writable, kind, elements, value, .. } = *row;
-            (format!("V.E.{}", row.name).into(), Row { own, synchronous, readable, writable, kind, elements, value })
+            (
+                format!("V.E.{}", row.name).into(),
+                ExternalVariable { own, synchronous, readable, writable, kind, elements, value },
+            )
         };
         Self {
             parameters: FxHashMap::default(),
@@ -145,11 +148,11 @@ impl Store {
     }
 
     /// An external variable by its name, with its index.
-    fn external(&self, name: &str, index: Option<f64>) -> Outcome<Row> {
+    fn external(&self, name: &str, index: Option<f64>) -> Outcome<ExternalVariable> {
         let row = match self.external.get(name) {
             Some(row) => *row,
             // Names that the machine does not describe may be arrays of any size.
-            None if self.any => Row { elements: index.map_or(0, |_| MOST as u32), ..ANY },
+            None if self.any => ExternalVariable { elements: index.map_or(0, |_| MOST as u32), ..ANY },
             None => return wrong(format!("{name} is not among the external variables of the machine")),
         };
         match (row.elements, index) {
@@ -164,7 +167,12 @@ impl Store {
     }
 
     /// Reads an external variable.
-    pub(super) fn read_external(&mut self, host: &mut dyn Host, name: &str, index: Option<f64>) -> Outcome<f64> {
+    pub(super) fn read_external(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        index: Option<f64>,
+    ) -> Outcome<f64> {
         let row = self.external(name, index)?;
         if !row.readable {
             return wrong(format!("{name} can only be written"));
@@ -186,7 +194,7 @@ impl Store {
     /// Writes an external variable.
     pub(super) fn write_external(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         (name, index): (&str, Option<f64>),
         value: f64,
     ) -> Outcome<()> {
@@ -210,7 +218,7 @@ impl Store {
             }
             return Ok(());
         }
-        Ok(host.set_shared(&full, Some(Value::Real(value)))?)
+        Ok(host.set_shared(&full, Some(MacroValue::Real(value)))?)
     }
 }
 
@@ -222,9 +230,9 @@ fn full_name(name: &str, index: Option<f64>) -> Cow<'_, str> {
 }
 
 fn wrong<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::EXTERNAL_VARIABLE, text))
+    Err(IsgBlockError::Alarm(&diag::EXTERNAL_VARIABLE, text))
 }
 
-fn full() -> Fault {
-    Fault::Alarm(&diag::MACRO_VARIABLE, format!("more than {MOST} variables have a value"))
+fn full() -> IsgBlockError {
+    IsgBlockError::Alarm(&diag::MACRO_VARIABLE, format!("more than {MOST} variables have a value"))
 }

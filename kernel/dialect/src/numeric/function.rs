@@ -67,7 +67,7 @@ fn to_bcd(value: f64) -> f64 {
 
 /// Functions of one number that most controls have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Function {
+pub(crate) enum NumericFunction {
     Sin,
     Cos,
     Tan,
@@ -104,19 +104,19 @@ pub(crate) enum Function {
 }
 
 /// Functions that every control has, under the name that every control gives them.
-pub(crate) const NAMED: [(&str, Function); 9] = [
-    ("SIN", Function::Sin),
-    ("COS", Function::Cos),
-    ("TAN", Function::Tan),
-    ("ASIN", Function::Asin),
-    ("ACOS", Function::Acos),
-    ("SQRT", Function::Sqrt),
-    ("ABS", Function::Abs),
-    ("LN", Function::Ln),
-    ("EXP", Function::Exp),
+pub(crate) const NAMED: [(&str, NumericFunction); 9] = [
+    ("SIN", NumericFunction::Sin),
+    ("COS", NumericFunction::Cos),
+    ("TAN", NumericFunction::Tan),
+    ("ASIN", NumericFunction::Asin),
+    ("ACOS", NumericFunction::Acos),
+    ("SQRT", NumericFunction::Sqrt),
+    ("ABS", NumericFunction::Abs),
+    ("LN", NumericFunction::Ln),
+    ("EXP", NumericFunction::Exp),
 ];
 
-impl Function {
+impl NumericFunction {
     /// One that every control has.
     pub(crate) fn named(name: &str) -> Option<Self> {
         NAMED.iter().find(|(known, _)| *known == name).map(|(_, function)| *function)
@@ -221,14 +221,14 @@ mod tests {
     #[test]
     fn functions_have_no_value_outside_their_domain() {
         for (function, outside) in [
-            (Function::Tan, 90.0),
-            (Function::Asin, 1.1),
-            (Function::Acos, -1.1),
-            (Function::Sqrt, -1.0),
-            (Function::Ln, 0.0),
+            (NumericFunction::Tan, 90.0),
+            (NumericFunction::Asin, 1.1),
+            (NumericFunction::Acos, -1.1),
+            (NumericFunction::Sqrt, -1.0),
+            (NumericFunction::Ln, 0.0),
         ] {
             assert_eq!(function.value(outside), None, "{}", function.name());
         }
-        assert_eq!((Function::Sqrt.value(9.0), Function::Fup.value(-2.1)), (Some(3.0), Some(-3.0)));
+        assert_eq!((NumericFunction::Sqrt.value(9.0), NumericFunction::Fup.value(-2.1)), (Some(3.0), Some(-3.0)));
     }
 }

@@ -5,8 +5,8 @@
 mod function;
 mod operator;
 
-pub(super) use function::{Function, NAMED, cosine, is_multiple, sine};
-pub(super) use operator::Operator;
+pub(super) use function::{NAMED, NumericFunction, cosine, is_multiple, sine};
+pub(super) use operator::NumericOperator;
 
 /// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
 /// itself.

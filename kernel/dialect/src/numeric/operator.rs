@@ -7,7 +7,7 @@ use super::truth;
 
 /// An operator between two operands, or a function of two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Operator {
+pub(crate) enum NumericOperator {
     Add,
     Sub,
     Mul,
@@ -47,7 +47,7 @@ pub(crate) enum Operator {
     Chain,
 }
 
-impl Operator {
+impl NumericOperator {
     /// Whether its value is a truth value for any operands.
     pub(crate) fn compares(self) -> bool {
         matches!(self, Self::Eq | Self::Ne | Self::Gt | Self::Ge | Self::Lt | Self::Le)
@@ -105,31 +105,34 @@ impl Operator {
 
 #[cfg(test)]
 mod tests {
-    use super::Operator;
+    use super::NumericOperator;
 
     #[test]
     fn remainders_differ_by_control() {
         for (operator, a, b, expected) in [
-            (Operator::Rem, 7.5, 2.0, Some(1.5)),
-            (Operator::Rem, -7.5, 2.0, Some(-1.5)),
-            (Operator::RemOfWhole, 7.6, 2.4, Some(0.0)),
-            (Operator::RemOfWhole, 7.0, 0.4, None),
-            (Operator::RemByQuotient, -7.5, 2.0, Some(-1.5)),
-            (Operator::WholeDiv, -7.0, 2.0, Some(-3.0)),
-            (Operator::Div, 1.0, 0.0, None),
-            (Operator::Rem, 1.0, 0.0, None),
+            (NumericOperator::Rem, 7.5, 2.0, Some(1.5)),
+            (NumericOperator::Rem, -7.5, 2.0, Some(-1.5)),
+            (NumericOperator::RemOfWhole, 7.6, 2.4, Some(0.0)),
+            (NumericOperator::RemOfWhole, 7.0, 0.4, None),
+            (NumericOperator::RemByQuotient, -7.5, 2.0, Some(-1.5)),
+            (NumericOperator::WholeDiv, -7.0, 2.0, Some(-3.0)),
+            (NumericOperator::Div, 1.0, 0.0, None),
+            (NumericOperator::Rem, 1.0, 0.0, None),
         ] {
             assert_eq!(operator.value(a, b), expected, "{operator:?} {a} {b}");
         }
-        assert_eq!(Operator::RemOfWhole.value(-4.0, 2.0).map(f64::to_bits), Some(0.0_f64.to_bits()));
+        assert_eq!(NumericOperator::RemOfWhole.value(-4.0, 2.0).map(f64::to_bits), Some(0.0_f64.to_bits()));
     }
 
     #[test]
     fn truths_and_bits() {
-        assert_eq!(Operator::And.value(6.0, 3.0), Some(1.0));
-        assert_eq!(Operator::BitAnd.value(6.0, 3.0), Some(2.0));
-        assert_eq!(Operator::Xor.value(6.0, 3.0), Some(0.0));
-        assert_eq!(Operator::BitXor.value(6.0, 3.0), Some(5.0));
-        assert_eq!((Operator::Legs.value(3.0, 4.0), Operator::Angle.value(-1.0, 0.0)), (Some(5.0), Some(270.0)));
+        assert_eq!(NumericOperator::And.value(6.0, 3.0), Some(1.0));
+        assert_eq!(NumericOperator::BitAnd.value(6.0, 3.0), Some(2.0));
+        assert_eq!(NumericOperator::Xor.value(6.0, 3.0), Some(0.0));
+        assert_eq!(NumericOperator::BitXor.value(6.0, 3.0), Some(5.0));
+        assert_eq!(
+            (NumericOperator::Legs.value(3.0, 4.0), NumericOperator::Angle.value(-1.0, 0.0)),
+            (Some(5.0), Some(270.0))
+        );
     }
 }

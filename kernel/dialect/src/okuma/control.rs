@@ -4,7 +4,7 @@ use super::programs::{called, program_name, returns};
 use super::{Okuma, line, quick_look};
 use crate::definition::Dialect;
 use crate::interpreter::Interpreter;
-use crate::outline::Reader;
+use crate::outline::OutlineReader;
 use counterpoint_machine::Machine;
 use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::syntax::{NamedPrograms, PLAIN, Syntax};
@@ -22,9 +22,9 @@ static SYNTAX: Syntax = Syntax {
 };
 
 /// OSP controls.
-pub(crate) struct Control;
+pub(crate) struct OkumaDialect;
 
-impl Dialect for Control {
+impl Dialect for OkumaDialect {
     fn name(&self) -> &'static str {
         "okuma"
     }
@@ -48,7 +48,7 @@ impl Dialect for Control {
         ]
     }
 
-    fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
         let macros = machine.macros.is_some();
         let drills = |row: &CodeRow| {
             row.enable
@@ -56,7 +56,7 @@ impl Dialect for Control {
                 if machine.registers[register].name == "G" && min <= 81.0 && max >= 81.0)
         };
         let contours = macros && !machine.codes.iter().any(drills);
-        Some(Box::new(super::outline::Outlines::new(macros, contours)))
+        Some(Box::new(super::outline::OkumaOutlineReader::new(macros, contours)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {

@@ -5,7 +5,7 @@
 
 /// The unreadable parts.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(super) enum Mistake {
+pub(super) enum OkumaSyntaxError {
     #[error("expected {0} at column {1}")]
     Expected(&'static str, usize),
     #[error("the expression is too long at column {0}")]
@@ -20,12 +20,12 @@ pub(super) enum Mistake {
 
 /// A text that is being read.
 #[derive(Debug, Clone)]
-pub(super) struct Cursor<'a> {
+pub(super) struct OkumaCursor<'a> {
     text: &'a [u8],
     pub(super) at: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> OkumaCursor<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
         Self { text, at: 0 }
     }
@@ -88,8 +88,8 @@ impl<'a> Cursor<'a> {
     }
 
     /// Takes a byte that has to be there.
-    pub(super) fn expect(&mut self, byte: u8, what: &'static str) -> Result<(), Mistake> {
-        if self.take(byte) { Ok(()) } else { Err(Mistake::Expected(what, self.at + 1)) }
+    pub(super) fn expect(&mut self, byte: u8, what: &'static str) -> Result<(), OkumaSyntaxError> {
+        if self.take(byte) { Ok(()) } else { Err(OkumaSyntaxError::Expected(what, self.at + 1)) }
     }
 
     /// Takes the rest, without blanks at its ends.
@@ -102,7 +102,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Nothing but blanks may follow.
-    pub(super) fn end(&mut self) -> Result<(), Mistake> {
-        if self.peek().is_none() { Ok(()) } else { Err(Mistake::Behind(self.at + 1)) }
+    pub(super) fn end(&mut self) -> Result<(), OkumaSyntaxError> {
+        if self.peek().is_none() { Ok(()) } else { Err(OkumaSyntaxError::Behind(self.at + 1)) }
     }
 }

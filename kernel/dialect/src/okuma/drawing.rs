@@ -2,13 +2,13 @@
 //!
 //! *Invariant:* neither a variable with such a name nor the end of a loop (`END n`) is one of them.
 
-use super::cursor::Cursor;
+use super::cursor::OkumaCursor;
 
 /// Their words.
 const WORDS: [&str; 7] = ["DEF", "PS", "PT", "END", "CLEAR", "DRAW", "TLID"];
 
 /// Whether the rest of the block is one.
-pub(super) fn is_drawing(cursor: &Cursor<'_>) -> bool {
+pub(super) fn is_drawing(cursor: &OkumaCursor<'_>) -> bool {
     let begins_with = |word: &&str| {
         let mut ahead = cursor.clone();
         ahead.word(word)
@@ -25,7 +25,7 @@ mod tests {
 
     #[test]
     fn statements_and_variables() {
-        let is = |text: &str| is_drawing(&Cursor::new(text.as_bytes()));
+        let is = |text: &str| is_drawing(&OkumaCursor::new(text.as_bytes()));
         assert!(is("DEF WORK") && is("PT LF,LC,[0,0]") && is("PS LC,[-400,0],[400,19]") && is(" END") && is("DRAW"));
         assert!(!is("PT=5") && !is("END1") && !is("END 1") && !is("DRAWER") && !is("G0 X5"));
     }

@@ -4,11 +4,13 @@
 //! and MOD; `+` and `-`; comparisons; AND; OR and EOR. Invariant: an expression has [`MOST`] parts at the most and is
 //! [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs out of stack.
 
-use super::cursor::{Cursor, Mistake};
-use super::math::{self, Known, Steps};
-use super::names::{self, Family, Local};
-use crate::expression::{self, COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
-use crate::numeric::Operator;
+use super::cursor::{OkumaCursor, OkumaSyntaxError};
+use super::math::{self, OkumaFunction, StepRounding};
+use super::names::{self, Family, LocalVariableName};
+use crate::expression::{
+    self, COMPARISONS, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read,
+};
+use crate::numeric::NumericOperator;
 
 /// Parts of an expression.
 const MOST: usize = 256;
@@ -18,56 +20,57 @@ const DEEPEST: usize = 40;
 
 /// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Own {
+pub(super) enum OkumaOp {
     /// The value that a variable without a value equals.
     Empty,
-    Variable(Variable),
+    Variable(OkumaVariable),
     /// Whether a variable has a value.
-    HasValue(Variable),
+    HasValue(OkumaVariable),
     /// True for a value that is not a variable.
     IsValue,
     /// A number rounded to the smallest steps of the control.
-    Steps(Steps),
+    Steps(StepRounding),
     /// A function that the control does not have, as it is written.
     Unknown(Box<str>),
 }
 
-pub(super) type Op = expression::Op<f64, Own>;
+pub(super) type Op = expression::ExpressionOp<f64, OkumaOp>;
 
 /// An expression.
-pub(super) type Expr = Code<f64, Own>;
+pub(super) type Expr = CompiledExpression<f64, OkumaOp>;
 
 /// A variable that is read or written.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Variable {
-    Local(Local),
+pub(super) enum OkumaVariable {
+    Local(LocalVariableName),
     Common(Family, Box<Expr>),
     /// One of the control's own, or a name that nothing has: its name and its indices.
     System(Box<str>, Box<[Expr]>),
 }
 
 /// Reads expressions from a text.
-pub(super) struct Reader<'c, 'a> {
-    pub(super) cursor: &'c mut Cursor<'a>,
+pub(super) struct OkumaExpressionReader<'c, 'a> {
+    pub(super) cursor: &'c mut OkumaCursor<'a>,
     ops: Vec<Op>,
     parts: usize,
     /// Brackets and signs around the current operand.
     depth: usize,
 }
 
-impl Grammar for Reader<'_, '_> {
+impl Grammar for OkumaExpressionReader<'_, '_> {
     type Value = f64;
-    type Own = Own;
-    type Mistake = Mistake;
+    type Own = OkumaOp;
+    type Mistake = OkumaSyntaxError;
 
     const OPERATORS: Operators = &[
-        &[("OR", Operator::BitOr), ("EOR", Operator::BitXor)],
-        &[("AND", Operator::BitAnd)],
+        &[("OR", NumericOperator::BitOr), ("EOR", NumericOperator::BitXor)],
+        &[("AND", NumericOperator::BitAnd)],
         COMPARISONS,
-        &[("+", Operator::Add), ("-", Operator::Sub)],
-        &[("*", Operator::Mul), ("/", Operator::Div), ("MOD", Operator::Rem)],
+        &[("+", NumericOperator::Add), ("-", NumericOperator::Sub)],
+        &[("*", NumericOperator::Mul), ("/", NumericOperator::Div), ("MOD", NumericOperator::Rem)],
     ];
-    const SIGNS: &'static [(&'static str, Sign)] = &[("+", Sign::Plus), ("-", Sign::Minus), ("NOT", Sign::NotEither)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)] =
+        &[("+", PrefixOperator::Plus), ("-", PrefixOperator::Minus), ("NOT", PrefixOperator::NotEither)];
 
     fn ops(&mut self) -> &mut Vec<Op> {
         &mut self.ops
@@ -78,7 +81,7 @@ impl Grammar for Reader<'_, '_> {
         if word.len() == 1 { self.cursor.key_word(word) } else { self.cursor.word(word) }
     }
 
-    fn operand(&mut self) -> Result<Part, Mistake> {
+    fn operand(&mut self) -> Result<ExpressionPart, OkumaSyntaxError> {
         self.value()
     }
 
@@ -86,68 +89,68 @@ impl Grammar for Reader<'_, '_> {
         Some(-value)
     }
 
-    fn nest(&mut self, _: bool) -> Result<(), Mistake> {
+    fn nest(&mut self, _: bool) -> Result<(), OkumaSyntaxError> {
         self.count()?;
         self.depth += 1;
-        if self.depth > DEEPEST { Err(Mistake::TooLong(self.cursor.at + 1)) } else { Ok(()) }
+        if self.depth > DEEPEST { Err(OkumaSyntaxError::TooLong(self.cursor.at + 1)) } else { Ok(()) }
     }
 
     fn unnest(&mut self, signs: usize) {
         self.depth -= signs + 1;
     }
 
-    fn check(&mut self, _: usize, _: bool) -> Result<(), Mistake> {
+    fn check(&mut self, _: usize, _: bool) -> Result<(), OkumaSyntaxError> {
         self.count()
     }
 
-    fn join(&mut self, operator: Operator, left: Part, right: Part) -> Part {
-        let is_empty = |ops: &[Op]| matches!(ops, [Op::Own(Own::Empty)]);
+    fn join(&mut self, operator: NumericOperator, left: ExpressionPart, right: ExpressionPart) -> ExpressionPart {
+        let is_empty = |ops: &[Op]| matches!(ops, [Op::Own(OkumaOp::Empty)]);
         let (before, after) = self.ops.split_at(right.start.min(self.ops.len()));
         let first = before.get(left.start..).unwrap_or_default();
-        if matches!(operator, Operator::Eq | Operator::Ne) && (is_empty(first) || is_empty(after)) {
+        if matches!(operator, NumericOperator::Eq | NumericOperator::Ne) && (is_empty(first) || is_empty(after)) {
             let after = self.ops.split_off(right.start);
             let before = self.ops.split_off(left.start);
             self.ops.extend([before, after].into_iter().flat_map(has_value));
         }
         self.ops.push(Op::Combine(operator));
-        let logical = matches!(operator, Operator::BitAnd | Operator::BitOr | Operator::BitXor);
-        Part { start: left.start, truth: operator.compares() || logical && left.truth && right.truth }
+        let logical = matches!(operator, NumericOperator::BitAnd | NumericOperator::BitOr | NumericOperator::BitXor);
+        ExpressionPart { start: left.start, truth: operator.compares() || logical && left.truth && right.truth }
     }
 }
 
 /// An operand as one that says whether it has a value.
 fn has_value(mut operand: Vec<Op>) -> Vec<Op> {
     match operand.as_mut_slice() {
-        [Op::Own(Own::Empty)] => return vec![Op::Value(0.0)],
-        [Op::Own(Own::Variable(variable @ (Variable::Local(_) | Variable::Common(..))))] => {
-            return vec![Op::Own(Own::HasValue(variable.clone()))];
+        [Op::Own(OkumaOp::Empty)] => return vec![Op::Value(0.0)],
+        [Op::Own(OkumaOp::Variable(variable @ (OkumaVariable::Local(_) | OkumaVariable::Common(..))))] => {
+            return vec![Op::Own(OkumaOp::HasValue(variable.clone()))];
         }
         _ => {}
     }
-    operand.push(Op::Own(Own::IsValue));
+    operand.push(Op::Own(OkumaOp::IsValue));
     operand
 }
 
-impl<'c, 'a> Reader<'c, 'a> {
-    pub(super) fn new(cursor: &'c mut Cursor<'a>) -> Self {
+impl<'c, 'a> OkumaExpressionReader<'c, 'a> {
+    pub(super) fn new(cursor: &'c mut OkumaCursor<'a>) -> Self {
         Self { cursor, ops: Vec::new(), parts: 0, depth: 0 }
     }
 
     /// A whole expression.
-    pub(super) fn expression(&mut self) -> Result<Expr, Mistake> {
+    pub(super) fn expression(&mut self) -> Result<Expr, OkumaSyntaxError> {
         let outer = std::mem::take(&mut self.ops);
         let done = read(self, 0);
         let ops = std::mem::replace(&mut self.ops, outer);
-        done.map(|_| Code::new(ops))
+        done.map(|_| CompiledExpression::new(ops))
     }
 
-    fn count(&mut self) -> Result<(), Mistake> {
+    fn count(&mut self) -> Result<(), OkumaSyntaxError> {
         self.parts += 1;
-        if self.parts > MOST { Err(Mistake::TooLong(self.cursor.at + 1)) } else { Ok(()) }
+        if self.parts > MOST { Err(OkumaSyntaxError::TooLong(self.cursor.at + 1)) } else { Ok(()) }
     }
 
     /// A value without signs.
-    fn value(&mut self) -> Result<Part, Mistake> {
+    fn value(&mut self) -> Result<ExpressionPart, OkumaSyntaxError> {
         match self.cursor.peek() {
             Some(b'[') => {
                 self.cursor.at += 1;
@@ -158,38 +161,38 @@ impl<'c, 'a> Reader<'c, 'a> {
             Some(b'0'..=b'9' | b'.') => self.number(),
             Some(b'#' | b'$') => self.hexadecimal(),
             Some(b'A'..=b'Z') => self.name(),
-            _ => Err(Mistake::Expected("a value", self.cursor.at + 1)),
+            _ => Err(OkumaSyntaxError::Expected("a value", self.cursor.at + 1)),
         }
     }
 
-    fn number(&mut self) -> Result<Part, Mistake> {
+    fn number(&mut self) -> Result<ExpressionPart, OkumaSyntaxError> {
         let at = self.cursor.at;
         match number_text(self.cursor).parse() {
             Ok(value) => Ok(self.push(Op::Value(value))),
-            Err(_) => Err(Mistake::Expected("a number", at + 1)),
+            Err(_) => Err(OkumaSyntaxError::Expected("a number", at + 1)),
         }
     }
 
     /// `#81H` or `$81`.
-    fn hexadecimal(&mut self) -> Result<Part, Mistake> {
+    fn hexadecimal(&mut self) -> Result<ExpressionPart, OkumaSyntaxError> {
         let closes = self.cursor.here() == Some(b'#');
         self.cursor.at += 1;
         let at = self.cursor.at;
         let digits = self.cursor.run(|byte| byte.is_ascii_hexdigit());
         // A value cannot be a whole number with more digits.
         let value = i64::from_str_radix(digits, 16).ok().filter(|_| digits.len() <= 12);
-        let Some(value) = value else { return Err(Mistake::Expected("a hexadecimal number", at + 1)) };
+        let Some(value) = value else { return Err(OkumaSyntaxError::Expected("a hexadecimal number", at + 1)) };
         if closes && self.cursor.here() == Some(b'H') {
             self.cursor.at += 1;
         }
         Ok(self.push(Op::Value(value as f64)))
     }
 
-    fn name(&mut self) -> Result<Part, Mistake> {
+    fn name(&mut self) -> Result<ExpressionPart, OkumaSyntaxError> {
         let start = self.cursor.at;
         let name = name_text(self.cursor);
         if name == "EMPTY" {
-            return Ok(self.push(Op::Own(Own::Empty)));
+            return Ok(self.push(Op::Own(OkumaOp::Empty)));
         }
         let opens = self.cursor.peek() == Some(b'[');
         if let Some((name, known)) = math::named(name) {
@@ -198,33 +201,33 @@ impl<'c, 'a> Reader<'c, 'a> {
         if opens && !name.starts_with('V') {
             self.list()?;
             let text = self.cursor.between(start).into();
-            return Ok(self.push(Op::Own(Own::Unknown(text))));
+            return Ok(self.push(Op::Own(OkumaOp::Unknown(text))));
         }
         let variable = self.variable(name)?;
-        Ok(self.push(Op::Own(Own::Variable(variable))))
+        Ok(self.push(Op::Own(OkumaOp::Variable(variable))))
     }
 
     /// The arguments of a function.
-    fn function(&mut self, name: &'static str, known: Known) -> Result<Part, Mistake> {
+    fn function(&mut self, name: &'static str, known: OkumaFunction) -> Result<ExpressionPart, OkumaSyntaxError> {
         let (start, at) = (self.ops.len(), self.cursor.at + 1);
         let arguments = self.list()?;
-        let (wanted, words) = if matches!(known, Known::Two(_)) { (2, "two values") } else { (1, "one value") };
+        let (wanted, words) = if matches!(known, OkumaFunction::Two(_)) { (2, "two values") } else { (1, "one value") };
         if arguments.len() != wanted {
-            return Err(Mistake::Arguments(name, words, at));
+            return Err(OkumaSyntaxError::Arguments(name, words, at));
         }
-        self.ops.extend(arguments.into_iter().flat_map(Code::into_ops));
+        self.ops.extend(arguments.into_iter().flat_map(CompiledExpression::into_ops));
         self.ops.push(match known {
-            Known::One(function) => Op::Apply(function),
-            Known::Steps(steps) => Op::Own(Own::Steps(steps)),
-            Known::Two(operator) => Op::Combine(operator),
+            OkumaFunction::One(function) => Op::Apply(function),
+            OkumaFunction::Steps(steps) => Op::Own(OkumaOp::Steps(steps)),
+            OkumaFunction::Two(operator) => Op::Combine(operator),
         });
-        Ok(Part { start, truth: false })
+        Ok(ExpressionPart { start, truth: false })
     }
 
     /// The variable of a name that has just been read, with its indices.
-    pub(super) fn variable(&mut self, name: &str) -> Result<Variable, Mistake> {
+    pub(super) fn variable(&mut self, name: &str) -> Result<OkumaVariable, OkumaSyntaxError> {
         if let Some(local) = names::local(name) {
-            return Ok(Variable::Local(local));
+            return Ok(OkumaVariable::Local(local));
         }
         let indices = match self.cursor.peek() {
             Some(b'[') => match self.address_of_io(name) {
@@ -234,9 +237,9 @@ impl<'c, 'a> Reader<'c, 'a> {
             _ => Box::default(),
         };
         Ok(match (names::common(name), &*indices) {
-            (Some((family, Some(number))), []) => Variable::Common(family, Box::new(Expr::constant(number))),
-            (Some((family, None)), [index]) => Variable::Common(family, Box::new(index.clone())),
-            _ => Variable::System(name.into(), indices),
+            (Some((family, Some(number))), []) => OkumaVariable::Common(family, Box::new(Expr::constant(number))),
+            (Some((family, None)), [index]) => OkumaVariable::Common(family, Box::new(index.clone())),
+            _ => OkumaVariable::System(name.into(), indices),
         })
     }
 
@@ -256,7 +259,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 
     /// Values in brackets.
-    pub(super) fn list(&mut self) -> Result<Box<[Expr]>, Mistake> {
+    pub(super) fn list(&mut self) -> Result<Box<[Expr]>, OkumaSyntaxError> {
         self.cursor.expect(b'[', "'['")?;
         let mut values = vec![self.expression()?];
         while self.cursor.take(b',') {
@@ -268,7 +271,7 @@ impl<'c, 'a> Reader<'c, 'a> {
 }
 
 /// The digits of a number without sign.
-pub(super) fn number_text<'a>(cursor: &mut Cursor<'a>) -> &'a str {
+pub(super) fn number_text<'a>(cursor: &mut OkumaCursor<'a>) -> &'a str {
     let start = cursor.at;
     cursor.run(|byte| byte.is_ascii_digit());
     if cursor.here() == Some(b'.') {
@@ -279,7 +282,7 @@ pub(super) fn number_text<'a>(cursor: &mut Cursor<'a>) -> &'a str {
 }
 
 /// The letters and then the digits of a name.
-pub(super) fn name_text<'a>(cursor: &mut Cursor<'a>) -> &'a str {
+pub(super) fn name_text<'a>(cursor: &mut OkumaCursor<'a>) -> &'a str {
     cursor.peek();
     let start = cursor.at;
     cursor.run(|byte| byte.is_ascii_uppercase());
@@ -292,8 +295,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Expr {
-        let mut cursor = Cursor::new(text.as_bytes());
-        let expr = Reader::new(&mut cursor).expression().unwrap();
+        let mut cursor = OkumaCursor::new(text.as_bytes());
+        let expr = OkumaExpressionReader::new(&mut cursor).expression().unwrap();
         cursor.end().unwrap();
         expr
     }
@@ -314,20 +317,20 @@ mod tests {
 
     #[test]
     fn variables() {
-        assert!(matches!(read("LA1").as_own(), Some(Own::Variable(Variable::Local(_)))));
-        assert!(matches!(read("VC[LA1]").as_own(), Some(Own::Variable(Variable::Common(Family::Vc, _)))));
-        assert!(matches!(read("V33").as_own(), Some(Own::Variable(Variable::Common(Family::V, _)))));
-        let system = Variable::System("VTOFX".into(), [Expr::constant(1.0)].into());
-        assert_eq!(read("VTOFX[1]"), Expr::own(Own::Variable(system)));
-        assert_eq!(read("HALF[ 1, 2]"), Expr::own(Own::Unknown("HALF[ 1, 2]".into())));
+        assert!(matches!(read("LA1").as_own(), Some(OkumaOp::Variable(OkumaVariable::Local(_)))));
+        assert!(matches!(read("VC[LA1]").as_own(), Some(OkumaOp::Variable(OkumaVariable::Common(Family::Vc, _)))));
+        assert!(matches!(read("V33").as_own(), Some(OkumaOp::Variable(OkumaVariable::Common(Family::V, _)))));
+        let system = OkumaVariable::System("VTOFX".into(), [Expr::constant(1.0)].into());
+        assert_eq!(read("VTOFX[1]"), Expr::own(OkumaOp::Variable(system)));
+        assert_eq!(read("HALF[ 1, 2]"), Expr::own(OkumaOp::Unknown("HALF[ 1, 2]".into())));
         assert_eq!(
             (read("#81H"), read("$fF".to_ascii_uppercase().as_str())),
             (Expr::constant(129.0), Expr::constant(255.0))
         );
         for (text, address) in [("VIRD[003B]", 59.0), ("VORD[0050]", 80.0)] {
-            let system = Variable::System(text[..4].into(), [Expr::constant(address)].into());
-            assert_eq!(read(text), Expr::own(Own::Variable(system)), "{text}");
+            let system = OkumaVariable::System(text[..4].into(), [Expr::constant(address)].into());
+            assert_eq!(read(text), Expr::own(OkumaOp::Variable(system)), "{text}");
         }
-        assert_eq!((read("EMPTY"), read("-.5")), (Expr::own(Own::Empty), Expr::constant(-0.5)));
+        assert_eq!((read("EMPTY"), read("-.5")), (Expr::own(OkumaOp::Empty), Expr::constant(-0.5)));
     }
 }

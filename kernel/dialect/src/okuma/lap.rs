@@ -11,12 +11,12 @@ use counterpoint_fault::Acted;
 
 use super::Okuma;
 use super::names::normal;
-use super::text::{Prepared, prepare};
-use crate::host::{Host, Shape};
+use super::text::{PreparedText, prepare};
+use crate::host::{InterpreterHost, NamedContour};
 
 /// Relation of a block to contours.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Lap {
+pub(super) enum LapRole {
     /// It begins one.
     Begins,
     /// It cuts along the contour with this name, without N.
@@ -24,7 +24,7 @@ pub(super) enum Lap {
 }
 
 /// Relation of a block to contours. The name of the contour is blanked.
-pub(super) fn find(block: &mut Prepared) -> Option<Lap> {
+pub(super) fn find(block: &mut PreparedText) -> Option<LapRole> {
     let mut code = None;
     for (start, end) in words(&block.upper) {
         let word = block.upper.get(start..end).unwrap_or_default();
@@ -35,12 +35,12 @@ pub(super) fn find(block: &mut Prepared) -> Option<Lap> {
                 for text in [&mut block.plain, &mut block.upper] {
                     text.get_mut(start..end).unwrap_or_default().fill(b' ');
                 }
-                return Some(Lap::Cuts(name));
+                return Some(LapRole::Cuts(name));
             }
             _ => {}
         }
     }
-    matches!(code, Some(1..=3)).then_some(Lap::Begins)
+    matches!(code, Some(1..=3)).then_some(LapRole::Begins)
 }
 
 /// Words and names: letters with the letters and digits after them.
@@ -88,7 +88,7 @@ fn code_of(line: &[u8]) -> Option<u8> {
 
 impl Okuma {
     /// Continues after the contour that begins here.
-    pub(super) fn skip_contour(&mut self, host: &mut dyn Host) -> Acted {
+    pub(super) fn skip_contour(&mut self, host: &mut dyn InterpreterHost) -> Acted {
         let place = host.place();
         let source = host.source(place.file);
         let end = source
@@ -103,7 +103,7 @@ impl Okuma {
     }
 
     /// The cycle of the block goes along the contour with this name.
-    pub(super) fn cut_along(&mut self, host: &mut dyn Host, name: &str) -> Acted {
+    pub(super) fn cut_along(&mut self, host: &mut dyn InterpreterHost, name: &str) -> Acted {
         let place = host.place();
         let index = self.index(host, place.file);
         let mut has_blank = false;
@@ -123,7 +123,7 @@ impl Okuma {
             let (end, _) = codes.find(|(_, code)| *code == Some(0))?;
             let blank = (has_blank && is_bar && begin > label + 1).then_some((label + 1, begin - 1));
             let name = Arc::from(format!("N{name}"));
-            Some(Shape { name, first: begin + 1, last: end - 1, face: code == Some(2), blank })
+            Some(NamedContour { name, first: begin + 1, last: end - 1, face: code == Some(2), blank })
         });
         match shape {
             Some(shape) => {
@@ -152,11 +152,11 @@ mod tests {
             let mut block = prepare(text.as_bytes());
             (find(&mut block), String::from_utf8(block.upper).unwrap())
         };
-        assert_eq!(of("NLAP1 G81").0, Some(Lap::Begins));
-        assert_eq!(of("N0207 G082").0, Some(Lap::Begins));
+        assert_eq!(of("NLAP1 G81").0, Some(LapRole::Begins));
+        assert_eq!(of("N0207 G082").0, Some(LapRole::Begins));
         let (lap, text) = of("N10 G85 NLAP1 D4 F0.3 U0.4");
-        assert_eq!((lap, text.as_str()), (Some(Lap::Cuts("LAP1".to_owned())), "N10 G85       D4 F0.3 U0.4"));
-        assert_eq!(of("G87 N0207").0, Some(Lap::Cuts("207".to_owned())));
+        assert_eq!((lap, text.as_str()), (Some(LapRole::Cuts("LAP1".to_owned())), "N10 G85       D4 F0.3 U0.4"));
+        assert_eq!(of("G87 N0207").0, Some(LapRole::Cuts("207".to_owned())));
         for text in ["G85 D4", "G80", "(G81)", "LG81=3", "G8 P1", "G810", "G189 X1", "NG81 X5"] {
             assert_eq!(of(text).0, None, "{text}");
         }

@@ -9,28 +9,28 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Okuma;
 use super::expr::Expr;
-use super::line::{Statement, Wanted, read};
+use super::line::{LineReadOptions, OkumaStatement, read};
 use super::text::prepare;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use crate::open_loops::OpenLoops;
-use counterpoint_program::source::Source;
+use counterpoint_program::source::ProgramSource;
 
 /// Lines of the statements of loops with those of their partners, ascending.
 #[derive(Debug, Default)]
-pub(super) struct Loops {
+pub(super) struct LoopPartners {
     partners: Vec<(u32, u32)>,
 }
 
 /// Loops of a file in the making.
 #[derive(Debug, Default)]
-pub(super) struct Open {
-    loops: Loops,
+pub(super) struct LoopBuilder {
+    loops: LoopPartners,
     open: OpenLoops<u32>,
 }
 
-impl Open {
+impl LoopBuilder {
     /// Reads a line of the file; a line that defines a program starts anew.
-    pub(super) fn line(&mut self, source: &Source, line: u32, defines: bool) {
+    pub(super) fn line(&mut self, source: &ProgramSource, line: u32, defines: bool) {
         if defines {
             self.open = OpenLoops::default();
         }
@@ -38,11 +38,11 @@ impl Open {
         if !may_hold_loop(text) {
             return;
         }
-        match read(prepare(text), Wanted { subprograms: true, drawing: false, offsets: false })
+        match read(prepare(text), LineReadOptions { subprograms: true, drawing: false, offsets: false })
             .map(|line| line.statement)
         {
-            Ok(Statement::Loop(_, number)) => self.open.begin(number, line),
-            Ok(Statement::EndLoop(number)) => {
+            Ok(OkumaStatement::Loop(_, number)) => self.open.begin(number, line),
+            Ok(OkumaStatement::EndLoop(number)) => {
                 if let Some(start) = self.open.end(number) {
                     self.loops.partners.extend([(start, line), (line, start)]);
                 }
@@ -52,13 +52,13 @@ impl Open {
     }
 
     /// The loops of the file.
-    pub(super) fn close(mut self) -> Loops {
+    pub(super) fn close(mut self) -> LoopPartners {
         self.loops.partners.sort_unstable();
         self.loops
     }
 }
 
-impl Loops {
+impl LoopPartners {
     /// The line of the partner of a statement.
     pub(super) fn partner(&self, line: u32) -> Option<u32> {
         let at = self.partners.binary_search_by_key(&line, |(of, _)| *of).ok()?;
@@ -72,7 +72,7 @@ impl Loops {
 
 impl Okuma {
     /// The begin of a loop, or of its next pass.
-    pub(super) fn enter_loop(&mut self, host: &mut dyn Host, condition: Option<&Expr>) -> Acted {
+    pub(super) fn enter_loop(&mut self, host: &mut dyn InterpreterHost, condition: Option<&Expr>) -> Acted {
         let end = self.partner(host)?;
         let Some(condition) = condition else { return Ok(()) };
         host.tests_loop(true);
@@ -82,13 +82,13 @@ impl Okuma {
     }
 
     /// The end of a pass.
-    pub(super) fn end_loop(&mut self, host: &mut dyn Host) -> Acted {
+    pub(super) fn end_loop(&mut self, host: &mut dyn InterpreterHost) -> Acted {
         let start = self.partner(host)?;
         self.caching = true;
         host.go_to(start)
     }
 
-    fn partner(&mut self, host: &mut dyn Host) -> Result<u32, Halt> {
+    fn partner(&mut self, host: &mut dyn InterpreterHost) -> Result<u32, Halt> {
         let place = host.place();
         match self.index(host, place.file).loops.partner(place.line) {
             Some(line) => Ok(line),

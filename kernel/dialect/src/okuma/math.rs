@@ -4,11 +4,11 @@
 //! the bits of whole numbers, NOT turns a truth round and the bits of any other number; ATAN2 has the height first. The
 //! functions come from `libm`, so that every machine gives the same bits.
 
-use crate::numeric::{Function, NAMED, Operator};
+use crate::numeric::{NAMED, NumericFunction, NumericOperator};
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub(super) enum Fault {
+pub(super) enum OkumaMathError {
     #[error("division by zero")]
     Division,
     #[error("{0} of {1} is not defined")]
@@ -19,17 +19,17 @@ pub(super) enum Fault {
 
 /// A function of the control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Known {
-    One(Function),
-    Steps(Steps),
-    Two(Operator),
+pub(super) enum OkumaFunction {
+    One(NumericFunction),
+    Steps(StepRounding),
+    Two(NumericOperator),
 }
 
 /// How a number is rounded to steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Steps(Function);
+pub(super) struct StepRounding(NumericFunction);
 
-impl Steps {
+impl StepRounding {
     /// Value; `unit` is how many of the smallest steps of the control a unit of length has.
     pub(super) fn value(self, v: f64, unit: f64) -> f64 {
         self.0.value(v * unit).map_or(v, |steps| steps / unit)
@@ -37,23 +37,23 @@ impl Steps {
 }
 
 /// Functions besides those of all controls.
-const FUNCTIONS: &[(&str, Known)] = &[
-    ("ATAN", Known::One(Function::Atan)),
-    ("ATAN2", Known::Two(Operator::Atan2)),
-    ("BIN", Known::One(Function::Bin)),
-    ("BCD", Known::One(Function::Bcd)),
-    ("ROUND", Known::One(Function::Round)),
-    ("FIX", Known::One(Function::Fix)),
-    ("FUP", Known::One(Function::Fup)),
-    ("DROUND", Known::Steps(Steps(Function::Round))),
-    ("DFIX", Known::Steps(Steps(Function::Fix))),
-    ("DFUP", Known::Steps(Steps(Function::Fup))),
-    ("MOD", Known::Two(Operator::Rem)),
+const FUNCTIONS: &[(&str, OkumaFunction)] = &[
+    ("ATAN", OkumaFunction::One(NumericFunction::Atan)),
+    ("ATAN2", OkumaFunction::Two(NumericOperator::Atan2)),
+    ("BIN", OkumaFunction::One(NumericFunction::Bin)),
+    ("BCD", OkumaFunction::One(NumericFunction::Bcd)),
+    ("ROUND", OkumaFunction::One(NumericFunction::Round)),
+    ("FIX", OkumaFunction::One(NumericFunction::Fix)),
+    ("FUP", OkumaFunction::One(NumericFunction::Fup)),
+    ("DROUND", OkumaFunction::Steps(StepRounding(NumericFunction::Round))),
+    ("DFIX", OkumaFunction::Steps(StepRounding(NumericFunction::Fix))),
+    ("DFUP", OkumaFunction::Steps(StepRounding(NumericFunction::Fup))),
+    ("MOD", OkumaFunction::Two(NumericOperator::Rem)),
 ];
 
 /// The function of a name, as the control writes it, and that name.
-pub(super) fn named(name: &str) -> Option<(&'static str, Known)> {
-    let common = NAMED.iter().map(|(name, function)| (*name, Known::One(*function)));
+pub(super) fn named(name: &str) -> Option<(&'static str, OkumaFunction)> {
+    let common = NAMED.iter().map(|(name, function)| (*name, OkumaFunction::One(*function)));
     common.chain(FUNCTIONS.iter().copied()).find(|(known, _)| *known == name)
 }
 
@@ -64,9 +64,9 @@ mod tests {
     #[test]
     fn functions_of_numbers() {
         let value = |name: &str, v: f64, second: f64| match named(name).unwrap().1 {
-            Known::One(function) => function.value(v),
-            Known::Steps(steps) => Some(steps.value(v, 1000.0)),
-            Known::Two(operator) => operator.value(v, second),
+            OkumaFunction::One(function) => function.value(v),
+            OkumaFunction::Steps(steps) => Some(steps.value(v, 1000.0)),
+            OkumaFunction::Two(operator) => operator.value(v, second),
         };
         for (name, v, second, expected) in [
             ("SIN", 180.0, 0.0, 0.0),

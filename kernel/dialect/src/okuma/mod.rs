@@ -25,20 +25,20 @@ mod unread;
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use rustc_hash::FxHashMap;
 
-pub(crate) use control::Control;
+pub(crate) use control::OkumaDialect;
 
-use super::host::{Host, Programs};
-use super::interpreter::{Interpreter, Remaining, Setting};
+use super::host::{InterpreterHost, ProgramHost};
+use super::interpreter::{Interpreter, Remaining, SettingOutcome};
 use crate::words::span;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::kept::{Kept, Tables};
-use counterpoint_program::shape::Range;
-use cursor::Cursor;
-use expr::{Expr, Reader, Variable};
+use counterpoint_program::kept::{LineCache, TableCache};
+use counterpoint_program::shape::ProgramRange;
+use cursor::OkumaCursor;
+use expr::{Expr, OkumaExpressionReader, OkumaVariable};
 use programs::Index;
 use store::Arguments;
 
@@ -51,15 +51,15 @@ const ALARM_TEXTS: usize = 1000;
 /// The pre-processor with its variables.
 #[derive(Debug)]
 pub(crate) struct Okuma {
-    store: store::Store,
+    store: store::OkumaVariableStore,
     /// Modal calls, the active one last.
-    modal: Vec<run::Modal>,
+    modal: Vec<run::OkumaModalCall>,
     /// Arguments of the call that the block at a place has made.
     arguments: Option<(FileId, u32, Arguments)>,
     /// A line may run again, so its compiled form is worth keeping.
     caching: bool,
-    lines: Kept<line::Line>,
-    indices: Tables<FileId, Index>,
+    lines: LineCache<line::OkumaLine>,
+    indices: TableCache<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
     names: KnownNames,
@@ -75,7 +75,7 @@ pub(crate) struct Okuma {
     has_contours: bool,
     /// HA to DC without a value are offsets of the tool in the spindle.
     takes_offsets: bool,
-    drawing: Drawing,
+    drawing: DrawingStatements,
 }
 
 /// Names that blocks have had.
@@ -84,12 +84,12 @@ struct KnownNames {
     /// Names and whether a register of the machine has them.
     words: FxHashMap<Box<str>, bool>,
     /// Local variables set next to words, and whether their file reads them; the others have been reported.
-    read: FxHashMap<(FileId, names::Local), bool>,
+    read: FxHashMap<(FileId, names::LocalVariableName), bool>,
 }
 
 /// Statements for the screen.
 #[derive(Debug, Default)]
-struct Drawing {
+struct DrawingStatements {
     /// They are ignored.
     ignored: bool,
     /// That has been reported.
@@ -100,12 +100,12 @@ impl Okuma {
     /// With sequence names removed from the block, or left on it for the macros of a machine (`$FCEPP` says otherwise).
     pub(crate) fn new(takes_names: bool) -> Self {
         Self {
-            store: store::Store::default(),
+            store: store::OkumaVariableStore::default(),
             modal: Vec::new(),
             arguments: None,
             caching: false,
-            lines: Kept::default(),
-            indices: Tables::default(),
+            lines: LineCache::default(),
+            indices: TableCache::default(),
             alarm_texts: FxHashMap::default(),
             names: KnownNames::default(),
             takes_calls: true,
@@ -114,14 +114,14 @@ impl Okuma {
             counts_executions: false,
             has_contours: false,
             takes_offsets: false,
-            drawing: Drawing::default(),
+            drawing: DrawingStatements::default(),
         }
     }
 }
 
 impl Okuma {
     /// The content of the block.
-    fn line(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Arc<line::Line>, Halt> {
+    fn line(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Arc<line::OkumaLine>, Halt> {
         let place = host.place();
         let key = (place.file, place.line);
         if place.as_read
@@ -129,16 +129,19 @@ impl Okuma {
         {
             return Ok(Arc::clone(line));
         }
-        let wanted =
-            line::Wanted { subprograms: self.takes_calls, drawing: self.drawing.ignored, offsets: self.takes_offsets };
+        let wanted = line::LineReadOptions {
+            subprograms: self.takes_calls,
+            drawing: self.drawing.ignored,
+            offsets: self.takes_offsets,
+        };
         let mut block = text::prepare(text);
         let lap = if self.has_contours { lap::find(&mut block) } else { None };
         match line::read(block, wanted) {
             Ok(line) => {
-                let marked = line.head.iter().any(|head| matches!(head, line::Head::Mark(_)));
+                let marked = line.head.iter().any(|head| matches!(head, line::BlockPrefix::Mark(_)));
                 let executes = !marked && quick_look::needs_interpreter(text);
                 let alone = self.needs_no_text(host, &line) && lap.is_none();
-                let line = Arc::new(line::Line { lap, executes, alone, ..line });
+                let line = Arc::new(line::OkumaLine { lap, executes, alone, ..line });
                 if self.caching && place.as_read {
                     self.lines.insert(key, &line, text.len());
                 }
@@ -153,18 +156,20 @@ impl Okuma {
 
     /// Whether the line is a jump, a loop or values for variables, without words or messages; no line of its file
     /// continues another.
-    fn needs_no_text(&mut self, host: &dyn Host, line: &line::Line) -> bool {
+    fn needs_no_text(&mut self, host: &dyn InterpreterHost, line: &line::OkumaLine) -> bool {
         let quiet = line.messages.is_empty() && !line.open && self.takes_names;
-        let named = line.head.iter().all(|head| matches!(head, line::Head::Name(_)));
+        let named = line.head.iter().all(|head| matches!(head, line::BlockPrefix::Name(_)));
         if !quiet || !named || self.index(host, host.place().file).continues {
             return false;
         }
         match &line.statement {
-            line::Statement::Goto(..) | line::Statement::Loop(..) | line::Statement::EndLoop(_) => true,
-            line::Statement::Items(items) => items.iter().all(|item| match item {
-                line::Item::Set { name, variable: Some(Variable::Local(_) | Variable::Common(..)), .. } => {
-                    !self.is_word(host, name)
-                }
+            line::OkumaStatement::Goto(..) | line::OkumaStatement::Loop(..) | line::OkumaStatement::EndLoop(_) => true,
+            line::OkumaStatement::Items(items) => items.iter().all(|item| match item {
+                line::OkumaItem::Set {
+                    name,
+                    variable: Some(OkumaVariable::Local(_) | OkumaVariable::Common(..)),
+                    ..
+                } => !self.is_word(host, name),
                 _ => false,
             }),
             _ => false,
@@ -172,7 +177,7 @@ impl Okuma {
     }
 
     /// The text of a block with the lines that continue it, and the line after them.
-    fn continued(&mut self, host: &mut dyn Programs, text: &[u8]) -> Option<(Vec<u8>, u32)> {
+    fn continued(&mut self, host: &mut dyn ProgramHost, text: &[u8]) -> Option<(Vec<u8>, u32)> {
         let place = host.place();
         let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
         if !place.as_read || of_the_file || !self.index(host, place.file).continues {
@@ -191,19 +196,19 @@ impl Okuma {
     }
 
     /// Plain words are also for the pre-processor where lines continue the lines above them.
-    fn watch(&mut self, host: &mut dyn Host, file: FileId) {
+    fn watch(&mut self, host: &mut dyn InterpreterHost, file: FileId) {
         if self.index(host, file).continues {
             host.watch(true);
         }
     }
 
     /// The definitions of a file that is loaded.
-    fn index(&mut self, host: &dyn Programs, file: FileId) -> Arc<Index> {
+    fn index(&mut self, host: &dyn ProgramHost, file: FileId) -> Arc<Index> {
         self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
     }
 
     /// Where a subprogram is; none if it is nowhere to be found.
-    fn find(&mut self, host: &mut dyn Programs, name: String) -> Result<Option<(FileId, Range)>, Halt> {
+    fn find(&mut self, host: &mut dyn ProgramHost, name: String) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         let (here, main) = (host.place().file, host.main_file());
         for file in [here, main] {
             if let Some(range) = self.index(host, file).program(&name) {
@@ -216,7 +221,7 @@ impl Okuma {
             let file = file as FileId;
             host.load(file)?;
             let index = self.index(host, file);
-            let all = || host.source(file).map(|source| Range { number: None, first: 1, last: source.lines() });
+            let all = || host.source(file).map(|source| ProgramRange { number: None, first: 1, last: source.lines() });
             let range = match index.program(&name) {
                 None if whole && index.definitions.is_empty() => all(),
                 found => found,
@@ -229,16 +234,16 @@ impl Okuma {
     }
 
     /// The variable of a name in native spelling, with its indices in it or apart.
-    fn named(name: &str, indices: &[f64]) -> Option<Variable> {
+    fn named(name: &str, indices: &[f64]) -> Option<OkumaVariable> {
         let upper = name.trim().to_ascii_uppercase();
-        let mut cursor = Cursor::new(upper.as_bytes());
+        let mut cursor = OkumaCursor::new(upper.as_bytes());
         let name = expr::name_text(&mut cursor);
-        let variable = Reader::new(&mut cursor).variable(name).ok()?;
+        let variable = OkumaExpressionReader::new(&mut cursor).variable(name).ok()?;
         cursor.end().ok()?;
         match (variable, indices) {
-            (Variable::System(name, own), [index]) if own.is_empty() => match names::common(&name) {
-                Some((family, None)) => Some(Variable::Common(family, Box::new(Expr::constant(*index)))),
-                _ => Some(Variable::System(name, [Expr::constant(*index)].into())),
+            (OkumaVariable::System(name, own), [index]) if own.is_empty() => match names::common(&name) {
+                Some((family, None)) => Some(OkumaVariable::Common(family, Box::new(Expr::constant(*index)))),
+                _ => Some(OkumaVariable::System(name, [Expr::constant(*index)].into())),
             },
             (variable, []) => Some(variable),
             _ => None,
@@ -247,7 +252,7 @@ impl Okuma {
 }
 
 impl Interpreter for Okuma {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt> {
         self.arguments = None;
         let whole = self.continued(host, text);
         let text = match &whole {
@@ -275,12 +280,12 @@ impl Interpreter for Okuma {
         self.names.read.clear();
     }
 
-    fn on_start(&mut self, host: &mut dyn Host) {
+    fn on_start(&mut self, host: &mut dyn InterpreterHost) {
         let file = host.place().file;
         self.watch(host, file);
     }
 
-    fn on_call(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn InterpreterHost) {
         let place = host.place();
         let arguments = self.arguments.take().filter(|(file, line, _)| (*file, *line) == (place.file, place.line));
         self.store.enter(arguments.map(|(.., arguments)| arguments).unwrap_or_default());
@@ -291,46 +296,57 @@ impl Interpreter for Okuma {
         self.store.again();
     }
 
-    fn on_return(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn InterpreterHost) {
         self.store.leave();
         if !self.modal.is_empty() {
             self.end_modal(host);
         }
     }
 
-    fn on_move(&mut self, host: &mut dyn Host) {
+    fn on_move(&mut self, host: &mut dyn InterpreterHost) {
         self.call_modally(host);
     }
 
-    fn on_end(&mut self, host: &mut dyn Host) {
+    fn on_end(&mut self, host: &mut dyn InterpreterHost) {
         self.report_open_modal(host, None);
     }
 
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt> {
         let value = match Self::named(name, indices) {
-            Some(Variable::Local(name)) => self.store.local(name),
-            Some(Variable::Common(family, index)) => {
+            Some(OkumaVariable::Local(name)) => self.store.local(name),
+            Some(OkumaVariable::Common(family, index)) => {
                 match index.as_constant().and_then(|index| family.common(*index)) {
                     Some(common) => self.store.common(host, common)?,
                     None => None,
                 }
             }
-            Some(Variable::System(name, own)) if own.is_empty() => eval::system(host, &name),
+            Some(OkumaVariable::System(name, own)) if own.is_empty() => eval::system(host, &name),
             _ => None,
         };
-        Ok(value.map(Value::Real))
+        Ok(value.map(MacroValue::Real))
     }
 
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt> {
         let Some(value) = value.as_real().filter(|value| value.is_finite()) else { return Ok(false) };
         match Self::named(name, indices) {
-            Some(Variable::Local(name)) if self.store.local(name).is_some() => {
+            Some(OkumaVariable::Local(name)) if self.store.local(name).is_some() => {
                 if self.store.set_local(name, Some(value)) {
                     host.effect();
                 }
                 Ok(true)
             }
-            Some(Variable::Common(family, index)) => {
+            Some(OkumaVariable::Common(family, index)) => {
                 match index.as_constant().and_then(|index| family.common(*index)) {
                     Some(common) => self.store.set_common(host, common, Some(value)).map(|()| true),
                     None => Ok(false),
@@ -345,7 +361,7 @@ impl Interpreter for Okuma {
         self.lines.get(line).is_some_and(|line| line.executes)
     }
 
-    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
+    fn known_block(&mut self, host: &mut dyn InterpreterHost, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         if !self.lines.get(at)?.alone {
             return None;
         }
@@ -361,7 +377,7 @@ impl Interpreter for Okuma {
         (self.store.bytes() + self.names.words.len() * 60 + self.lines.bytes() + self.indices.bytes()) as u64
     }
 
-    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn InterpreterHost, name: &str, values: &[MacroValue]) -> SettingOutcome {
         let slot = match name {
             "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
             "PROCESS,SEQNAME" => &mut self.takes_names,
@@ -370,13 +386,13 @@ impl Interpreter for Okuma {
             "PROCESS,CONTOURS" => &mut self.has_contours,
             "PROCESS,DRAWING" => &mut self.drawing.ignored,
             "PROCESS,TOOLOFFSETS" => &mut self.takes_offsets,
-            _ => return Setting::Unknown,
+            _ => return SettingOutcome::Unknown,
         };
-        let [value] = values else { return Setting::Wrong };
-        let Some(on) = value.as_logical() else { return Setting::Wrong };
+        let [value] = values else { return SettingOutcome::Wrong };
+        let Some(on) = value.as_logical() else { return SettingOutcome::Wrong };
         *slot = on;
         self.lines.clear();
         // Messages that the machine knows follow the same setting.
-        if name == "PROCESS,MESSAGES" { Setting::Unknown } else { Setting::Made }
+        if name == "PROCESS,MESSAGES" { SettingOutcome::Unknown } else { SettingOutcome::Made }
     }
 }

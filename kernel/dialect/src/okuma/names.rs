@@ -43,9 +43,9 @@ pub(super) fn is_statement(word: &[u8], continues: bool) -> bool {
 
 /// A local variable: its name, filled up with zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Local([u8; 4]);
+pub(super) struct LocalVariableName([u8; 4]);
 
-impl std::fmt::Display for Local {
+impl std::fmt::Display for LocalVariableName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.iter().filter(|byte| **byte != 0).try_for_each(|byte| write!(f, "{}", char::from(*byte)))
     }
@@ -99,7 +99,7 @@ impl Common {
 }
 
 /// The local variable of a name.
-pub(super) fn local(name: &str) -> Option<Local> {
+pub(super) fn local(name: &str) -> Option<LocalVariableName> {
     let letters = name.bytes().take_while(u8::is_ascii_uppercase).count();
     let digits = name.bytes().skip(letters).take_while(u8::is_ascii_digit).count();
     let fits = letters > 0 && letters + digits == name.len() && (2..=4).contains(&name.len());
@@ -108,7 +108,7 @@ pub(super) fn local(name: &str) -> Option<Local> {
     }
     let mut bytes = [0; 4];
     bytes.iter_mut().zip(name.bytes()).for_each(|(slot, byte)| *slot = byte);
-    Some(Local(bytes))
+    Some(LocalVariableName(bytes))
 }
 
 /// The kind of common variable that a name with or without its number means, and the number.

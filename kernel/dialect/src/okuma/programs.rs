@@ -5,15 +5,15 @@
 //! after it, then in the files of subprograms (`.SSB`, `.SUB`, `.LIB`), first beside the main program, then among those
 //! stored with the machine. Invariant: the order of files is that of their ids, so the same job finds the same text.
 
-use super::line::{Head, Wanted, is_header, read};
-use super::loops::{Loops, Open};
+use super::line::{BlockPrefix, LineReadOptions, is_header, read};
+use super::loops::{LoopBuilder, LoopPartners};
 use super::names::normal;
 use super::text::prepare;
 use crate::words::part;
-use counterpoint_program::kept::Table;
-use counterpoint_program::search::{Labels, Search};
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
+use counterpoint_program::kept::CachedTable;
+use counterpoint_program::search::{LabelSearchOrder, Labels};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
 
 /// Ends of the names of files that hold subprograms.
 const LIBRARIES: &[&str] = &["ssb", "sub", "lib"];
@@ -23,7 +23,7 @@ const STORED: &str = counterpoint_machine::stored::StoredFile::ROOT;
 
 /// A program of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Definition {
+pub(super) struct ProgramDefinition {
     /// Its name without O, as it is compared.
     pub(super) name: String,
     pub(super) first: u32,
@@ -33,20 +33,20 @@ pub(super) struct Definition {
 /// The definitions of a file.
 #[derive(Debug, Default)]
 pub(super) struct Index {
-    pub(super) definitions: Vec<Definition>,
+    pub(super) definitions: Vec<ProgramDefinition>,
     /// Lines by sequence number or name without N, ascending.
     labels: Labels<String>,
     /// Lines continue those above them.
     pub(super) continues: bool,
     /// WHILE, DO and END.
-    pub(super) loops: Loops,
+    pub(super) loops: LoopPartners,
 }
 
 impl Index {
     /// Looks through a file.
-    pub(super) fn of(source: &Source) -> Self {
+    pub(super) fn of(source: &ProgramSource) -> Self {
         let mut index = Self::default();
-        let (mut open, mut loops) = (false, Open::default());
+        let (mut open, mut loops) = (false, LoopBuilder::default());
         for line in source.walk(1, source.lines()) {
             let text = source.line(line);
             if is_header(text) {
@@ -55,14 +55,14 @@ impl Index {
             }
             index.continues |= super::line::is_continued(text);
             let head = head(text);
-            loops.line(source, line, matches!(head, Some(Head::Program(_))));
+            loops.line(source, line, matches!(head, Some(BlockPrefix::Program(_))));
             match head {
-                Some(Head::Program((start, end))) => {
+                Some(BlockPrefix::Program((start, end))) => {
                     let name = normal(&part(text, (start + 1, end)));
-                    index.definitions.push(Definition { name, first: line, last: line });
+                    index.definitions.push(ProgramDefinition { name, first: line, last: line });
                     open = true;
                 }
-                Some(Head::Number((start, end)) | Head::Name((start, end))) => {
+                Some(BlockPrefix::Number((start, end)) | BlockPrefix::Name((start, end))) => {
                     let label = normal(&part(text, (start + 1, end)));
                     index.labels.add(label, line);
                 }
@@ -77,14 +77,14 @@ impl Index {
     }
 
     /// Lines of a program by its name.
-    pub(super) fn program(&self, name: &str) -> Option<Range> {
+    pub(super) fn program(&self, name: &str) -> Option<ProgramRange> {
         let found = self.definitions.iter().find(|definition| definition.name == name)?;
-        Some(Range { number: None, first: found.first, last: found.last })
+        Some(ProgramRange { number: None, first: found.first, last: found.last })
     }
 
     /// The line to go to from another one: from there on, otherwise from the top of the program that the line belongs
     /// to.
-    pub(super) fn label(&self, name: &str, from: u32, range: Range) -> Option<u32> {
+    pub(super) fn label(&self, name: &str, from: u32, range: ProgramRange) -> Option<u32> {
         // Definitions and lines are in ascending order.
         let at = self.definitions.partition_point(|definition| definition.first <= from);
         let own = at.checked_sub(1).and_then(|at| self.definitions.get(at));
@@ -92,25 +92,25 @@ impl Index {
         let first = own.map_or(1, |definition| definition.first).max(range.first);
         let end = next.map_or(u32::MAX, |definition| definition.first.saturating_sub(1));
         let last = if range.last >= range.first { end.min(range.last) } else { end };
-        self.labels.find(name, Search::Around, from, (first, last))
+        self.labels.find(name, LabelSearchOrder::Around, from, (first, last))
     }
 }
 
-impl Table for Index {
+impl CachedTable for Index {
     fn bytes(&self) -> usize {
         self.definitions.len() * 60 + self.labels.bytes() + self.loops.len() * 8
     }
 }
 
 /// The name or number at the start of a line.
-fn head(text: &[u8]) -> Option<Head> {
+fn head(text: &[u8]) -> Option<BlockPrefix> {
     let start = text.iter().copied().find(|byte| !matches!(byte, b' ' | b'\t' | b'/' | b'1'..=b'9'))?;
     if !matches!(start, b'N' | b'n' | b'O' | b'o') {
         return None;
     }
     // Only the head is wanted, so nothing after it may be a mistake.
-    let line = read(prepare(cut(text)), Wanted { subprograms: true, drawing: false, offsets: false }).ok()?;
-    line.head.into_iter().find(|head| !matches!(head, Head::Mark(_)))
+    let line = read(prepare(cut(text)), LineReadOptions { subprograms: true, drawing: false, offsets: false }).ok()?;
+    line.head.into_iter().find(|head| !matches!(head, BlockPrefix::Mark(_)))
 }
 
 /// A line up to the end of its first word with a letter.
@@ -124,7 +124,7 @@ fn cut(text: &[u8]) -> &[u8] {
 
 /// The name of letters and digits by which a line defines a program, without O; one of digits alone is none.
 pub(super) fn program_name(text: &[u8]) -> Option<&[u8]> {
-    let Some(Head::Program((start, end))) = head(text) else { return None };
+    let Some(BlockPrefix::Program((start, end))) = head(text) else { return None };
     let name = text.get(start as usize + 1..end as usize)?;
     name.iter().any(u8::is_ascii_alphabetic).then_some(name)
 }
@@ -177,8 +177,8 @@ pub(super) fn places(files: &[String], main: &str, name: &str) -> Vec<(usize, bo
 mod tests {
     use super::*;
 
-    fn source(text: &str) -> Source {
-        Source::new("t", bytes::Bytes::copy_from_slice(text.as_bytes()))
+    fn source(text: &str) -> ProgramSource {
+        ProgramSource::new("t", bytes::Bytes::copy_from_slice(text.as_bytes()))
     }
 
     #[test]
@@ -188,7 +188,7 @@ mod tests {
         let index = Index::of(&source);
         let lines: Vec<_> = index.definitions.iter().map(|d| (d.name.as_str(), d.first, d.last)).collect();
         assert_eq!(lines, [("MAIN", 2, 6), ("SUB", 8, 12)]);
-        let all = Range { number: None, first: 1, last: 12 };
+        let all = ProgramRange { number: None, first: 1, last: 12 };
         assert_eq!(index.label("1", 3, all), Some(5));
         assert_eq!(index.label("1", 5, all), Some(3));
         assert_eq!(index.label("1", 8, all), Some(9));

@@ -9,17 +9,17 @@ use counterpoint_fault::{Acted, Halt};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::eval::{Eval, Stop};
-use super::expr::{Expr, Variable};
-use super::lap::Lap;
-use super::line::{Call, Head, Item, Line, Statement, Target};
+use super::eval::{EvaluationStop, OkumaEvaluator};
+use super::expr::{Expr, OkumaVariable};
+use super::lap::LapRole;
+use super::line::{BlockPrefix, OkumaCall, OkumaItem, OkumaJumpTarget, OkumaLine, OkumaStatement};
 use super::names::normal;
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
 use crate::host;
-use crate::host::{Answer, Host};
+use crate::host::{IdentificationAnswer, InterpreterHost};
 use crate::interpreter::Remaining;
 use crate::words::{Span, Valued, part};
 use counterpoint_fault as diag;
@@ -38,30 +38,30 @@ const REPEATS: f64 = 9999.0;
 
 /// A modal call.
 #[derive(Debug, Clone)]
-pub(super) struct Modal {
-    call: host::Call,
+pub(super) struct OkumaModalCall {
+    call: host::SubprogramCall,
     arguments: Arguments,
     /// Subprograms that were running when it was programmed.
     level: usize,
 }
 
 /// The words that a block leaves.
-struct Left<'a> {
+struct OkumaRemainder<'a> {
     /// The block without comments and messages.
     plain: &'a [u8],
     /// Whether the block leaves any words.
     any: bool,
 }
 
-impl Left<'_> {
+impl OkumaRemainder<'_> {
     /// Leaves a part of the block unchanged.
-    fn keep(&mut self, host: &mut dyn Host, span: Span) {
+    fn keep(&mut self, host: &mut dyn InterpreterHost, span: Span) {
         host.push_plain(self.plain, span);
         self.any = true;
     }
 
     /// Adds a word if a register of the machine has its name.
-    fn add(&mut self, host: &mut dyn Host, word: &Valued<'_>) -> bool {
+    fn add(&mut self, host: &mut dyn InterpreterHost, word: &Valued<'_>) -> bool {
         let is_word = word.push(host);
         self.any |= is_word;
         is_word
@@ -73,12 +73,17 @@ impl Left<'_> {
 }
 
 impl Okuma {
-    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Remaining, Halt> {
+    pub(super) fn run(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        line: &OkumaLine,
+        text: &[u8],
+    ) -> Result<Remaining, Halt> {
         if line.open {
             let text = format!("a comment or message is not closed in '{}'", host.block_text());
             host.diagnose(&diag::COMMENT_OPEN, text);
         }
-        let mut left = Left { plain: &line.plain, any: false };
+        let mut left = OkumaRemainder { plain: &line.plain, any: false };
         if !self.head(host, line, &mut left) {
             return Ok(left.made());
         }
@@ -86,13 +91,13 @@ impl Okuma {
             line.messages.iter().for_each(|message| host.show(message));
         }
         match &line.lap {
-            Some(Lap::Begins) => return self.skip_contour(host).map(|()| Remaining::Nothing),
-            Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
+            Some(LapRole::Begins) => return self.skip_contour(host).map(|()| Remaining::Nothing),
+            Some(LapRole::Cuts(name)) => self.cut_along(host, name)?,
             None => {}
         }
         match &line.statement {
-            Statement::Nothing => {}
-            Statement::Drawing => {
+            OkumaStatement::Nothing => {}
+            OkumaStatement::Drawing => {
                 if !std::mem::replace(&mut self.drawing.reported, true) {
                     let text = format!(
                         "'{}' changes neither path nor time; statements like it are ignored",
@@ -101,24 +106,24 @@ impl Okuma {
                     host.diagnose(&diag::OKUMA_DRAWING, text);
                 }
             }
-            Statement::Continued => {
+            OkumaStatement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
                 return Ok(Remaining::Nothing);
             }
-            Statement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
-            Statement::Loop(condition, _) => self.enter_loop(host, condition.as_ref())?,
-            Statement::EndLoop(_) => self.end_loop(host)?,
-            Statement::Call(call) => {
+            OkumaStatement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
+            OkumaStatement::Loop(condition, _) => self.enter_loop(host, condition.as_ref())?,
+            OkumaStatement::EndLoop(_) => self.end_loop(host)?,
+            OkumaStatement::Call(call) => {
                 let (call, arguments) = self.made(host, call)?;
                 self.call(host, call, arguments);
             }
-            Statement::ModIn(call) => self.mod_in(host, call)?,
-            Statement::ModOut => self.mod_out(host),
-            Statement::Shared(shared, operands) => {
+            OkumaStatement::ModIn(call) => self.mod_in(host, call)?,
+            OkumaStatement::ModOut => self.mod_out(host),
+            OkumaStatement::Shared(shared, operands) => {
                 shared.execute(host, operands, |host, operand| self.value(host, operand))?;
             }
-            Statement::Items(items) => {
+            OkumaStatement::Items(items) => {
                 self.check_names(host, items)?;
                 items.iter().try_for_each(|item| self.item(host, item, &mut left))?;
             }
@@ -127,17 +132,17 @@ impl Okuma {
     }
 
     /// Marks, sequence number and name of a program: whether the rest of the block is executed.
-    fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut Left<'_>) -> bool {
+    fn head(&mut self, host: &mut dyn InterpreterHost, line: &OkumaLine, left: &mut OkumaRemainder<'_>) -> bool {
         let mut skipped = false;
         for head in &line.head {
             match head {
-                Head::Mark(level) => skipped = host.skips(*level),
+                BlockPrefix::Mark(level) => skipped = host.skips(*level),
                 _ if skipped => {}
-                Head::Number(span) => left.keep(host, *span),
-                Head::Name(span) if !self.takes_names => left.keep(host, *span),
-                Head::Name(_) => {}
+                BlockPrefix::Number(span) => left.keep(host, *span),
+                BlockPrefix::Name(span) if !self.takes_names => left.keep(host, *span),
+                BlockPrefix::Name(_) => {}
                 // A number may be a word of the machine.
-                Head::Program(span) => {
+                BlockPrefix::Program(span) => {
                     let (start, end) = *span;
                     let is_number = part(left.plain, (start + 1, end)).bytes().all(|byte| byte.is_ascii_digit());
                     if is_number && host.is_register("O") {
@@ -149,24 +154,24 @@ impl Okuma {
         !skipped
     }
 
-    pub(super) fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Result<f64, Halt> {
-        match Eval::new(&mut self.store, host).value(expr) {
+    pub(super) fn value(&mut self, host: &mut dyn InterpreterHost, expr: &Expr) -> Result<f64, Halt> {
+        match OkumaEvaluator::new(&mut self.store, host).value(expr) {
             Ok(value) => Ok(value),
             // There is no text here that could stay.
-            Err(Stop::Keep) => Ok(0.0),
-            Err(Stop::Halt(halt)) => Err(halt),
+            Err(EvaluationStop::Keep) => Ok(0.0),
+            Err(EvaluationStop::Halt(halt)) => Err(halt),
         }
     }
 
-    fn go_to(&mut self, host: &mut dyn Host, condition: Option<&Expr>, target: &Target) -> Acted {
+    fn go_to(&mut self, host: &mut dyn InterpreterHost, condition: Option<&Expr>, target: &OkumaJumpTarget) -> Acted {
         if let Some(condition) = condition
             && self.value(host, condition)? == 0.0
         {
             return Ok(());
         }
         let name = match target {
-            Target::Named(name) => Cow::Borrowed(name),
-            Target::Computed(number) => Cow::Owned(normal(&self.value(host, number)?.to_string())),
+            OkumaJumpTarget::Named(name) => Cow::Borrowed(name),
+            OkumaJumpTarget::Computed(number) => Cow::Owned(normal(&self.value(host, number)?.to_string())),
         };
         let place = host.place();
         let index = self.index(host, place.file);
@@ -183,7 +188,11 @@ impl Okuma {
     }
 
     /// A call with the values of its arguments.
-    fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(host::Call, Arguments), Halt> {
+    fn made(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        call: &OkumaCall,
+    ) -> Result<(host::SubprogramCall, Arguments), Halt> {
         let (least, more) = if self.counts_executions { (1.0, 0) } else { (0.0, 1) };
         let count = match &call.repeats {
             Some(count) => self.value(host, count)?,
@@ -198,19 +207,19 @@ impl Okuma {
         }
         let mut arguments = Vec::with_capacity(call.arguments.len());
         for (name, value) in &call.arguments {
-            let value = match Eval::new(&mut self.store, host).assigned(value) {
+            let value = match OkumaEvaluator::new(&mut self.store, host).assigned(value) {
                 Ok(value) => value,
-                Err(Stop::Keep) => Some(0.0),
-                Err(Stop::Halt(halt)) => return Err(halt),
+                Err(EvaluationStop::Keep) => Some(0.0),
+                Err(EvaluationStop::Halt(halt)) => return Err(halt),
             };
             arguments.extend(value.map(|value| (*name, value)));
         }
         let place = self.find(host, normal(call.name.get(1..).unwrap_or_default()))?;
         let name = Arc::from(call.name.as_str());
-        Ok((host::Call { name, place, passes: count as u32 + more, closes: false }, arguments.into()))
+        Ok((host::SubprogramCall { name, place, passes: count as u32 + more, closes: false }, arguments.into()))
     }
 
-    fn call(&mut self, host: &mut dyn Host, call: host::Call, arguments: Arguments) {
+    fn call(&mut self, host: &mut dyn InterpreterHost, call: host::SubprogramCall, arguments: Arguments) {
         let place = host.place();
         self.caching = true;
         if let Some((file, _)) = call.place {
@@ -220,20 +229,20 @@ impl Okuma {
         host.call(call);
     }
 
-    fn mod_in(&mut self, host: &mut dyn Host, call: &Call) -> Acted {
+    fn mod_in(&mut self, host: &mut dyn InterpreterHost, call: &OkumaCall) -> Acted {
         let (call, arguments) = self.made(host, call)?;
         if self.modal.len() >= MODAL {
             let text = format!("more than {MODAL} modal calls at the same time in '{}'", host.block_text());
             return Err(host.alarm(&diag::MACRO_CALL, text));
         }
         let level = host.level();
-        self.modal.push(Modal { call, arguments, level });
+        self.modal.push(OkumaModalCall { call, arguments, level });
         host.effect();
         host.calls_modally(true);
         Ok(())
     }
 
-    fn mod_out(&mut self, host: &mut dyn Host) {
+    fn mod_out(&mut self, host: &mut dyn InterpreterHost) {
         if self.modal.pop().is_none() {
             let text = format!("no modal call is active in '{}'; ignored", host.block_text());
             host.diagnose(&diag::OKUMA_NO_MODAL, text);
@@ -243,7 +252,7 @@ impl Okuma {
     }
 
     /// Modal calls of programs that have ended are over.
-    pub(super) fn end_modal(&mut self, host: &mut dyn Host) {
+    pub(super) fn end_modal(&mut self, host: &mut dyn InterpreterHost) {
         let level = host.level();
         self.report_open_modal(host, Some(level));
         self.modal.retain(|modal| modal.level <= level);
@@ -251,7 +260,7 @@ impl Okuma {
     }
 
     /// Programs above this level (or all of them) have ended: reports the modal calls that each left active.
-    pub(super) fn report_open_modal(&self, host: &mut dyn Host, level: Option<usize>) {
+    pub(super) fn report_open_modal(&self, host: &mut dyn InterpreterHost, level: Option<usize>) {
         if self.modal.iter().any(|modal| level.is_none_or(|level| modal.level > level)) {
             let text = format!("the program ends in '{}' with a MODIN that no MODOUT has cancelled", host.block_text());
             host.diagnose(&diag::MODAL_CALL_OPEN, text);
@@ -259,30 +268,30 @@ impl Okuma {
     }
 
     /// A block has moved.
-    pub(super) fn call_modally(&mut self, host: &mut dyn Host) {
+    pub(super) fn call_modally(&mut self, host: &mut dyn InterpreterHost) {
         let level = host.level();
         if let Some(modal) = self.modal.last().filter(|modal| modal.level == level).cloned() {
             self.call(host, modal.call, modal.arguments);
         }
     }
 
-    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left<'_>) -> Acted {
+    fn item(&mut self, host: &mut dyn InterpreterHost, item: &OkumaItem, left: &mut OkumaRemainder<'_>) -> Acted {
         let (name, variable, value, number, span) = match item {
-            Item::Plain(span) => {
+            OkumaItem::Plain(span) => {
                 left.keep(host, *span);
                 return Ok(());
             }
-            Item::OfTool(name, span) => {
+            OkumaItem::OfTool(name, span) => {
                 let tool = f64::from(host.tool());
                 if !left.add(host, &Valued { name, value: tool, spelled: None, span: *span }) {
                     left.keep(host, *span);
                 }
                 return Ok(());
             }
-            Item::Text { variable, text, span } => return self.text(host, (variable, text, *span), left),
-            Item::Set { name, variable, value, number, span } => (name, variable, value, *number, *span),
+            OkumaItem::Text { variable, text, span } => return self.text(host, (variable, text, *span), left),
+            OkumaItem::Set { name, variable, value, number, span } => (name, variable, value, *number, *span),
         };
-        if let Some(Variable::System(name, index)) = variable
+        if let Some(OkumaVariable::System(name, index)) = variable
             && let ("VDOUT", [index]) = (&**name, &**index)
         {
             let output = self.value(host, index)?;
@@ -291,7 +300,7 @@ impl Okuma {
             }
         }
         let is_word = self.is_word(host, name);
-        let mut eval = Eval::new(&mut self.store, host);
+        let mut eval = OkumaEvaluator::new(&mut self.store, host);
         let done = eval.assigned(value).and_then(|assigned| {
             let spelled = number.map(|number| part(left.plain, number));
             let word = Valued { name, value: assigned.unwrap_or(0.0), spelled: spelled.as_deref(), span };
@@ -310,18 +319,18 @@ impl Okuma {
         });
         match done {
             Ok(()) => Ok(()),
-            Err(Stop::Keep) => {
+            Err(EvaluationStop::Keep) => {
                 left.keep(host, span);
                 Ok(())
             }
-            Err(Stop::Halt(halt)) => Err(halt),
+            Err(EvaluationStop::Halt(halt)) => Err(halt),
         }
     }
 }
 
 impl Okuma {
     /// Whether a register of the machine has this name.
-    pub(super) fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
+    pub(super) fn is_word(&mut self, host: &dyn InterpreterHost, name: &str) -> bool {
         if let Some(known) = self.names.words.get(name) {
             return *known;
         }
@@ -336,22 +345,22 @@ impl Okuma {
     /// Assigns a text to a variable: the text of an alarm, or of a variable of the machine.
     fn text(
         &mut self,
-        host: &mut dyn Host,
-        (variable, text, span): (&Variable, &str, Span),
-        left: &mut Left<'_>,
+        host: &mut dyn InterpreterHost,
+        (variable, text, span): (&OkumaVariable, &str, Span),
+        left: &mut OkumaRemainder<'_>,
     ) -> Acted {
-        let asked = match Eval::new(&mut self.store, host).asked_name(variable) {
+        let asked = match OkumaEvaluator::new(&mut self.store, host).asked_name(variable) {
             Ok(asked) => asked,
-            Err(Stop::Keep) => part(left.plain, span).into_owned(),
-            Err(Stop::Halt(halt)) => return Err(halt),
+            Err(EvaluationStop::Keep) => part(left.plain, span).into_owned(),
+            Err(EvaluationStop::Halt(halt)) => return Err(halt),
         };
-        match host.identify(&asked, Some(&Value::text(text)))?.unless(&asked) {
-            Answer::Drop => return Ok(()),
-            Answer::Keep => {
+        match host.identify(&asked, Some(&MacroValue::text(text)))?.unless(&asked) {
+            IdentificationAnswer::Drop => return Ok(()),
+            IdentificationAnswer::Keep => {
                 left.keep(host, span);
                 return Ok(());
             }
-            Answer::Instead(_) | Answer::Unknown => {}
+            IdentificationAnswer::Instead(_) | IdentificationAnswer::Unknown => {}
         }
         let number = asked.strip_prefix("VUACM[").and_then(|rest| rest.strip_suffix(']')?.parse().ok());
         match number {
@@ -369,20 +378,20 @@ impl Okuma {
     /// `VDOUT[992]=n` and the like: the alarm of the user with that number, unless the machine sees to it.
     fn user_alarm(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         (output, class): (f64, char),
         value: &Expr,
-        (span, left): (Span, &mut Left<'_>),
+        (span, left): (Span, &mut OkumaRemainder<'_>),
     ) -> Acted {
         let number = self.value(host, value)?;
         let asked = format!("VDOUT[{output}]");
-        match host.identify(&asked, Some(&Value::Real(number)))?.unless(&asked) {
-            Answer::Drop => return Ok(()),
-            Answer::Keep => {
+        match host.identify(&asked, Some(&MacroValue::Real(number)))?.unless(&asked) {
+            IdentificationAnswer::Drop => return Ok(()),
+            IdentificationAnswer::Keep => {
                 left.keep(host, span);
                 return Ok(());
             }
-            Answer::Instead(_) | Answer::Unknown => {}
+            IdentificationAnswer::Instead(_) | IdentificationAnswer::Unknown => {}
         }
         let text = self.alarm_texts.get(&1).map_or(String::new(), |text| format!(": {text}"));
         let text = format!("the program sets alarm {class} {number}{text} in '{}'", host.block_text());

@@ -5,34 +5,34 @@
 //! the kernel's host. A common variable without a value counts as 0. Facts: reference control-emulator.md 5.4.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use rustc_hash::FxHashMap;
 
-use super::names::{Common, Local};
+use super::names::{Common, LocalVariableName};
 use crate::call_stack::CallStack;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Local variables that a call sets.
-pub(super) type Arguments = Box<[(Local, f64)]>;
+pub(super) type Arguments = Box<[(LocalVariableName, f64)]>;
 
 /// Local variables of a running program.
 #[derive(Debug, Default)]
 struct Locals {
-    values: FxHashMap<Local, f64>,
+    values: FxHashMap<LocalVariableName, f64>,
     /// Those that a pass begins with.
     arguments: Arguments,
 }
 
 /// Variables.
 #[derive(Debug, Default)]
-pub(super) struct Store {
+pub(super) struct OkumaVariableStore {
     /// Of the main program and the subprograms that run.
     locals: CallStack<Locals>,
     /// Common variables of this channel alone.
     own: FxHashMap<Common, f64>,
 }
 
-impl Store {
+impl OkumaVariableStore {
     /// The program begins; `reset` as if it were the first one.
     pub(super) fn begin(&mut self, reset: bool) {
         self.locals = CallStack::default();
@@ -69,12 +69,12 @@ impl Store {
     }
 
     /// A local variable, if it has a value.
-    pub(super) fn local(&mut self, name: Local) -> Option<f64> {
+    pub(super) fn local(&mut self, name: LocalVariableName) -> Option<f64> {
         self.locals().values.get(&name).copied()
     }
 
     /// Sets a local variable, or takes its value away; whether that changed anything.
-    pub(super) fn set_local(&mut self, name: Local, value: Option<f64>) -> bool {
+    pub(super) fn set_local(&mut self, name: LocalVariableName, value: Option<f64>) -> bool {
         let values = &mut self.locals().values;
         let before = match value {
             Some(value) => values.insert(name, value),
@@ -84,7 +84,7 @@ impl Store {
     }
 
     /// A common variable, if it has a value.
-    pub(super) fn common(&mut self, host: &mut dyn Host, common: Common) -> Result<Option<f64>, Halt> {
+    pub(super) fn common(&mut self, host: &mut dyn InterpreterHost, common: Common) -> Result<Option<f64>, Halt> {
         if host.has_own_common() {
             return Ok(self.own.get(&common).copied());
         }
@@ -92,9 +92,9 @@ impl Store {
     }
 
     /// Sets a common variable, or takes its value away.
-    pub(super) fn set_common(&mut self, host: &mut dyn Host, common: Common, value: Option<f64>) -> Acted {
+    pub(super) fn set_common(&mut self, host: &mut dyn InterpreterHost, common: Common, value: Option<f64>) -> Acted {
         if !host.has_own_common() {
-            return host.set_shared(common.name(), value.map(Value::Real));
+            return host.set_shared(common.name(), value.map(MacroValue::Real));
         }
         let before = match value {
             Some(value) => self.own.insert(common, value),

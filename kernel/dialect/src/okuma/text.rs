@@ -8,7 +8,7 @@ use super::quick_look::is_message;
 
 /// A block made ready for reading.
 #[derive(Debug, Default)]
-pub(super) struct Prepared {
+pub(super) struct PreparedText {
     /// Comments and messages blanked.
     pub(super) plain: Vec<u8>,
     /// The same in capitals.
@@ -20,7 +20,7 @@ pub(super) struct Prepared {
 }
 
 /// Prepares a block.
-pub(super) fn prepare(text: &[u8]) -> Prepared {
+pub(super) fn prepare(text: &[u8]) -> PreparedText {
     let mut plain: Vec<u8> = text.iter().map(|&byte| if byte == b'\t' { b' ' } else { byte }).collect();
     let (mut messages, mut open, mut at) = (Vec::new(), false, 0);
     while let Some(start) = memchr::memchr(b'(', plain.get(at..).unwrap_or_default()).map(|found| at + found) {
@@ -46,7 +46,7 @@ pub(super) fn prepare(text: &[u8]) -> Prepared {
         at = end;
     }
     let upper = plain.to_ascii_uppercase();
-    Prepared { plain, upper, messages, open }
+    PreparedText { plain, upper, messages, open }
 }
 
 /// Whether a text ends with the statement MSG.

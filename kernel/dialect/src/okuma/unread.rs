@@ -8,30 +8,32 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 
 use super::Okuma;
-use super::expr::Variable;
-use super::line::Item;
-use super::names::{Local, is_word_of_control};
+use super::expr::OkumaVariable;
+use super::line::OkumaItem;
+use super::names::{LocalVariableName, is_word_of_control};
 use super::text;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Most names that are kept.
 const MOST: usize = 10_000;
 
 /// Whether an item is anything but a value for a variable.
-fn is_word(item: &Item) -> bool {
+fn is_word(item: &OkumaItem) -> bool {
     !matches!(
         item,
-        Item::Set { variable: Some(Variable::Local(_) | Variable::Common(..) | Variable::System(..)), .. }
-            | Item::Text { .. }
+        OkumaItem::Set {
+            variable: Some(OkumaVariable::Local(_) | OkumaVariable::Common(..) | OkumaVariable::System(..)),
+            ..
+        } | OkumaItem::Text { .. }
     )
 }
 
 impl Okuma {
     /// Reports names of a block that are local variables by mistake.
-    pub(super) fn check_names(&mut self, host: &mut dyn Host, items: &[Item]) -> Acted {
+    pub(super) fn check_names(&mut self, host: &mut dyn InterpreterHost, items: &[OkumaItem]) -> Acted {
         let mut beside = None;
         for item in items {
-            let Item::Set { name, variable: Some(Variable::Local(local)), .. } = item else { continue };
+            let OkumaItem::Set { name, variable: Some(OkumaVariable::Local(local)), .. } = item else { continue };
             let of_control = is_word_of_control(name);
             if !of_control && items.len() == 1 {
                 continue;
@@ -41,7 +43,7 @@ impl Okuma {
             }
             let beside = *beside.get_or_insert_with(|| {
                 items.iter().any(|other| match other {
-                    Item::Set { name, variable: Some(Variable::Local(_)), .. } => self.is_word(host, name),
+                    OkumaItem::Set { name, variable: Some(OkumaVariable::Local(_)), .. } => self.is_word(host, name),
                     other => is_word(other),
                 })
             });
@@ -53,7 +55,7 @@ impl Okuma {
     }
 
     /// Whether the file reads the name, or it has been reported.
-    fn is_read(&mut self, host: &mut dyn Host, local: Local, name: &str) -> bool {
+    fn is_read(&mut self, host: &mut dyn InterpreterHost, local: LocalVariableName, name: &str) -> bool {
         let file = host.place().file;
         if let Some(read) = self.names.read.get(&(file, local)) {
             return *read;
@@ -72,7 +74,12 @@ impl Okuma {
         read
     }
 
-    fn unread(&mut self, host: &mut dyn Host, (local, name): (Local, &str), of_control: bool) -> Acted {
+    fn unread(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        (local, name): (LocalVariableName, &str),
+        of_control: bool,
+    ) -> Acted {
         if of_control {
             let text = format!(
                 "{name}= is a word of the control that this machine does not have, and no block reads a variable {name}, \

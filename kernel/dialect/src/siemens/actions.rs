@@ -8,12 +8,12 @@
 //! channels (SETM, CLEARM). *Invariant:* an action that is not possible here is refused where it is written, so no axis
 //! moves differently from the control without a report.
 
-use super::cursor::Cursor;
-use super::expression::{Argument, Expression, expression, unexpected};
-use super::left::Left;
-use super::line::{Item, item};
-use super::{Fault, Outcome, Siemens, syntax};
-use crate::host::Host;
+use super::cursor::SiemensCursor;
+use super::expression::{Expression, SiemensArgument, expression, unexpected};
+use super::left::SiemensRemainder;
+use super::line::{SiemensItem, item};
+use super::{Outcome, Siemens, SiemensBlockError, syntax};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// Most actions that wait.
@@ -35,35 +35,35 @@ pub(super) enum Trigger {
 
 /// An action as it is written.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Action {
+pub(super) struct SynchronisedAction {
     /// Its number, and whether it stays beyond the program.
     number: Option<(Expression, bool)>,
     trigger: Trigger,
     condition: Option<Expression>,
-    does: Vec<Item>,
+    does: Vec<SiemensItem>,
     text: String,
 }
 
-impl Action {
+impl SynchronisedAction {
     /// Whether it sets or deletes marks for other channels.
     pub(super) fn coordinates(&self) -> bool {
         self.does
             .iter()
-            .any(|item| matches!(item, Item::Function(name, _) if matches!(name.as_str(), "SETM" | "CLEARM")))
+            .any(|item| matches!(item, SiemensItem::Function(name, _) if matches!(name.as_str(), "SETM" | "CLEARM")))
     }
 }
 
 /// An action that waits.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct ArmedAction {
     number: Option<i64>,
     stays: bool,
-    action: std::sync::Arc<Action>,
+    action: std::sync::Arc<SynchronisedAction>,
     was: bool,
     tests: u8,
 }
 
-impl Waiting {
+impl ArmedAction {
     pub(super) fn stays(&self) -> bool {
         self.stays
     }
@@ -81,15 +81,15 @@ fn trigger(name: &str) -> Option<Trigger> {
 }
 
 /// Whether a word begins an action.
-pub(super) fn begins(name: &str, cursor: &Cursor<'_>) -> bool {
+pub(super) fn begins(name: &str, cursor: &SiemensCursor<'_>) -> bool {
     trigger(name).is_some() || matches!(name, "ID" | "IDS") && cursor.rest().trim_start().starts_with('=')
 }
 
 /// Reads an action whose first word is `name`; it takes the rest of the block.
-pub(super) fn action(cursor: &mut Cursor<'_>, name: &str) -> Result<Item, String> {
+pub(super) fn action(cursor: &mut SiemensCursor<'_>, name: &str) -> Result<SiemensItem, String> {
     // Values of the main run are those of the block here.
     let text = cursor.rest().replace("$$", "$").replace("$R", "R");
-    let mut inner = Cursor::new(&text);
+    let mut inner = SiemensCursor::new(&text);
     while !cursor.is_at_end() {
         cursor.step();
     }
@@ -118,7 +118,7 @@ pub(super) fn action(cursor: &mut Cursor<'_>, name: &str) -> Result<Item, String
         }
         does.push(item(&mut inner)?);
     }
-    Ok(Item::Synchronised(std::sync::Arc::new(Action {
+    Ok(SiemensItem::Synchronised(std::sync::Arc::new(SynchronisedAction {
         number,
         trigger,
         condition,
@@ -129,7 +129,11 @@ pub(super) fn action(cursor: &mut Cursor<'_>, name: &str) -> Result<Item, String
 
 impl Siemens {
     /// An action is written: it waits from now on.
-    pub(super) fn synchronise(&mut self, host: &mut dyn Host, action: &std::sync::Arc<Action>) -> Outcome<()> {
+    pub(super) fn synchronise(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        action: &std::sync::Arc<SynchronisedAction>,
+    ) -> Outcome<()> {
         for item in &action.does {
             self.check_action(item, &action.text)?;
         }
@@ -145,26 +149,26 @@ impl Siemens {
             return super::wrong_type(format!("more than {MOST} synchronised actions wait"));
         }
         let stays = action.number.as_ref().is_some_and(|(_, stays)| *stays);
-        self.held.actions.push(Waiting { number, stays, action: action.clone(), was: false, tests: TESTS });
+        self.held.actions.push(ArmedAction { number, stays, action: action.clone(), was: false, tests: TESTS });
         self.watch(host);
         Ok(())
     }
 
     /// Refuses actions that are not possible here.
-    fn check_action(&self, item: &Item, text: &str) -> Outcome<()> {
+    fn check_action(&self, item: &SiemensItem, text: &str) -> Outcome<()> {
         let fits = match item {
-            Item::Set { name, .. } => {
+            SiemensItem::Set { name, .. } => {
                 SET.iter().any(|set| name.name == *set || *set == "$A_DB" && name.name.starts_with(set))
                     || self.variables.knows(&name.name)
             }
-            Item::Function(name, _) => matches!(name.as_str(), "SETAL" | "SETM" | "CLEARM"),
-            Item::Text(word) => word.starts_with(['M', 'm']) || word.starts_with(['H', 'h']),
+            SiemensItem::Function(name, _) => matches!(name.as_str(), "SETAL" | "SETM" | "CLEARM"),
+            SiemensItem::Text(word) => word.starts_with(['M', 'm']) || word.starts_with(['H', 'h']),
             _ => false,
         };
         if fits {
             return Ok(());
         }
-        Err(Fault::Alarm(
+        Err(SiemensBlockError::Alarm(
             &diag::SIEMENS_STATE,
             format!(
                 "'{text}' is not supported in a synchronised action: it may set variables, outputs, marks and alarms (SETAL) and \
@@ -174,7 +178,7 @@ impl Siemens {
     }
 
     /// Tests the actions that wait, where a block begins.
-    pub(super) fn test_actions(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+    pub(super) fn test_actions(&mut self, host: &mut dyn InterpreterHost, left: &mut SiemensRemainder) -> Outcome<()> {
         if self.held.actions.is_empty() || host.reads_contour() {
             return Ok(());
         }
@@ -196,7 +200,12 @@ impl Siemens {
     }
 
     /// Tests an action; whether it keeps waiting.
-    fn test_action(&mut self, host: &mut dyn Host, one: &mut Waiting, left: &mut Left) -> Outcome<bool> {
+    fn test_action(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        one: &mut ArmedAction,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<bool> {
         let action = one.action.clone();
         let holds = match &action.condition {
             Some(condition) => self.is_true(host, condition)?,
@@ -209,7 +218,7 @@ impl Siemens {
         };
         one.was = holds || action.trigger == Trigger::Since && one.was;
         if acts {
-            let mut own = Left::default();
+            let mut own = SiemensRemainder::default();
             for item in &action.does {
                 self.item(host, item, &mut own)?;
             }
@@ -223,7 +232,12 @@ impl Siemens {
     }
 
     /// CANCEL(n, …): these actions wait no longer.
-    pub(super) fn cancel(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+    pub(super) fn cancel(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<bool> {
         if name != "CANCEL" {
             return Ok(false);
         }

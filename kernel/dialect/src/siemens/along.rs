@@ -15,12 +15,12 @@ use counterpoint_machine::ident::codes;
 use counterpoint_motion::direction::{Cone, leaned};
 
 use super::aims::{Aims, Angle, Vector};
-use super::left::Left;
+use super::left::SiemensRemainder;
 use super::modal::{is_curve, is_still};
 use super::orientation::{AXES, DIRECTION};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Most degrees between a normal and the plane across the path.
 const OFF: f64 = 5.0;
@@ -29,8 +29,8 @@ const PIECE: f64 = 2.0;
 
 /// How the tool turns along the path, as the codes of their group say.
 #[derive(Debug, Default)]
-pub(super) struct Turning {
-    kind: Kind,
+pub(super) struct OrientationInterpolation {
+    kind: OrientationMode,
     normal: Option<[f64; 3]>,
     /// LEAD and TILT under ORIPATH.
     angles: Option<[f64; 2]>,
@@ -39,7 +39,7 @@ pub(super) struct Turning {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Kind {
+enum OrientationMode {
     #[default]
     Straight,
     Path,
@@ -50,26 +50,26 @@ enum Kind {
 }
 
 /// Codes of the group.
-const KINDS: [(&str, Kind); 9] = [
-    ("ORIAXES", Kind::Straight),
-    ("ORIVECT", Kind::Straight),
-    ("ORIPLANE", Kind::Straight),
-    ("ORIPATH", Kind::Path),
-    ("ORIPATHS", Kind::Path),
-    ("ORICONCW", Kind::Clockwise),
-    ("ORICONCCW", Kind::CounterClockwise),
-    ("ORICONIO", Kind::Through),
-    ("ORICONTO", Kind::Tangential),
+const KINDS: [(&str, OrientationMode); 9] = [
+    ("ORIAXES", OrientationMode::Straight),
+    ("ORIVECT", OrientationMode::Straight),
+    ("ORIPLANE", OrientationMode::Straight),
+    ("ORIPATH", OrientationMode::Path),
+    ("ORIPATHS", OrientationMode::Path),
+    ("ORICONCW", OrientationMode::Clockwise),
+    ("ORICONCCW", OrientationMode::CounterClockwise),
+    ("ORICONIO", OrientationMode::Through),
+    ("ORICONTO", OrientationMode::Tangential),
 ];
 
-impl Turning {
+impl OrientationInterpolation {
     /// Whether blocks without a word of the direction may have one.
     pub(super) fn acts(&self) -> bool {
-        self.kind != Kind::Straight
+        self.kind != OrientationMode::Straight
     }
 
     /// A word of the block is a code of the group.
-    pub(super) fn hear(&mut self, host: &dyn Host, word: &str) {
+    pub(super) fn hear(&mut self, host: &dyn InterpreterHost, word: &str) {
         if let Some((_, kind)) = KINDS.iter().find(|(name, _)| *name == word)
             && host.is_code_text(word)
         {
@@ -79,7 +79,7 @@ impl Turning {
 }
 
 /// A straight move of the block.
-struct Move {
+struct ProgrammedLine {
     /// Where X, Y and Z begin, as the program counts.
     from: [f64; 3],
     /// By how much they move; none is not programmed.
@@ -87,7 +87,7 @@ struct Move {
     relative: bool,
 }
 
-impl Move {
+impl ProgrammedLine {
     fn way(&self) -> [f64; 3] {
         self.by.map(|by| by.unwrap_or(0.0))
     }
@@ -95,7 +95,12 @@ impl Move {
 
 impl Siemens {
     /// Gives the block the direction that LEAD, TILT and the codes of the group ask for.
-    pub(super) fn along(&mut self, host: &mut dyn Host, left: &mut Left, aims: Option<&Aims>) -> Outcome<()> {
+    pub(super) fn along(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        left: &mut SiemensRemainder,
+        aims: Option<&Aims>,
+    ) -> Outcome<()> {
         let of = |vector| aims.and_then(|aims| aims.vector(vector));
         if let Some(normal) = of(Vector::NormalAtEnd).or(of(Vector::NormalAtStart)) {
             self.held.turning.normal = Some(normal);
@@ -104,7 +109,7 @@ impl Siemens {
         let cone = [Vector::Axis, Vector::Between].map(of);
         let opening = aims.and_then(|aims| aims.angle(Angle::Opening));
         let kind = self.held.turning.kind;
-        let on_cone = !matches!(kind, Kind::Straight | Kind::Path);
+        let on_cone = !matches!(kind, OrientationMode::Straight | OrientationMode::Path);
         if !on_cone && (cone != [None; 2] || opening.is_some()) {
             return syntax("A6, B6, C6, A7, B7, C7 and NUT need ORICONCW, ORICONCCW, ORICONIO or ORICONTO");
         }
@@ -112,13 +117,13 @@ impl Siemens {
             return self.on_cone(host, left, cone, opening);
         }
         let asked = angles != [None; 2];
-        let held = self.held.turning.angles.filter(|_| kind == Kind::Path);
+        let held = self.held.turning.angles.filter(|_| kind == OrientationMode::Path);
         if !asked && (held.is_none() || direction(&left.words).is_some()) {
             return Ok(());
         }
         let [lead, tilt] = held.unwrap_or_default();
         let lean = [angles[0].unwrap_or(lead), angles[1].unwrap_or(tilt)];
-        if kind == Kind::Path {
+        if kind == OrientationMode::Path {
             self.held.turning.angles = Some(lean);
         }
         if direction(&left.words).is_some() {
@@ -129,7 +134,7 @@ impl Siemens {
                 return syntax("LEAD and TILT under G41 or G42 are not emulated");
             }
             Some(way) if way.way() != [0.0; 3] => way.way(),
-            _ if !asked || kind == Kind::Path => return Ok(()),
+            _ if !asked || kind == OrientationMode::Path => return Ok(()),
             _ => return syntax("LEAD and TILT need a move of X, Y or Z"),
         };
         let normal = self.held.turning.normal.unwrap_or([0.0, 0.0, 1.0]);
@@ -143,8 +148,8 @@ impl Siemens {
     /// A change of direction along a cone: blocks of a few degrees.
     fn on_cone(
         &mut self,
-        host: &mut dyn Host,
-        left: &mut Left,
+        host: &mut dyn InterpreterHost,
+        left: &mut SiemensRemainder,
         [axis, between]: [Option<[f64; 3]>; 2],
         opening: Option<f64>,
     ) -> Outcome<()> {
@@ -170,19 +175,19 @@ impl Siemens {
         }
         let Some(start) = host.tool_direction() else { return syntax("a cone needs a direction of the tool") };
         let cone = match (self.held.turning.kind, axis, between, opening, end) {
-            (Kind::Through, None, Some(between), None, Some(end)) => Cone::through(start, between, end),
-            (Kind::Through, ..) => return syntax("ORICONIO takes A3, B3, C3 and A7, B7, C7"),
-            (Kind::Tangential, None, None, None, Some(end)) => match self.held.turning.last {
+            (OrientationMode::Through, None, Some(between), None, Some(end)) => Cone::through(start, between, end),
+            (OrientationMode::Through, ..) => return syntax("ORICONIO takes A3, B3, C3 and A7, B7, C7"),
+            (OrientationMode::Tangential, None, None, None, Some(end)) => match self.held.turning.last {
                 Some([here, way]) if same(here, start) => Cone::tangential(start, way, end),
                 _ => return syntax("ORICONTO needs a change of direction on a cone before it"),
             },
-            (Kind::Tangential, ..) => return syntax("ORICONTO takes A3, B3, C3"),
-            (kind, Some(axis), None, None, end) => Cone::about(axis, start, end, kind == Kind::Clockwise),
+            (OrientationMode::Tangential, ..) => return syntax("ORICONTO takes A3, B3, C3"),
+            (kind, Some(axis), None, None, end) => Cone::about(axis, start, end, kind == OrientationMode::Clockwise),
             (kind, None, None, Some(opening), Some(end)) => {
                 if !(opening.abs() > 0.0 && opening.abs() <= 180.0) {
                     return syntax(format!("NUT is above 0 and at most 180, not {opening}"));
                 }
-                Cone::opened(opening.abs(), [start, end], kind == Kind::Clockwise, opening > 0.0)
+                Cone::opened(opening.abs(), [start, end], kind == OrientationMode::Clockwise, opening > 0.0)
             }
             _ => return syntax("ORICONCW and ORICONCCW take A6, B6, C6, or NUT with A3, B3, C3"),
         };
@@ -198,7 +203,7 @@ impl Siemens {
 }
 
 /// The block as straight blocks; codes that act at the end of a block stay with the last one.
-fn in_pieces(left: &mut Left, cone: &Cone, way: Option<&Move>) {
+fn in_pieces(left: &mut SiemensRemainder, cone: &Cone, way: Option<&ProgrammedLine>) {
     let is_aim =
         |word: &str| DIRECTION.iter().any(|name| word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=')));
     let is_place = |word: &str| AXES.iter().any(|name| word.starts_with(name));
@@ -261,7 +266,7 @@ fn direction(words: &str) -> Option<[f64; 3]> {
 }
 
 /// The straight move of the block; none without X, Y and Z.
-fn straight(host: &dyn Host, left: &Left) -> Outcome<Option<Move>> {
+fn straight(host: &dyn InterpreterHost, left: &SiemensRemainder) -> Outcome<Option<ProgrammedLine>> {
     let axes = host.axes();
     let relative = left.relative.unwrap_or_else(|| host.relative());
     let mut goes_straight = host.moves_straight();
@@ -285,5 +290,5 @@ fn straight(host: &dyn Host, left: &Left) -> Outcome<Option<Move>> {
     if is_polar || !goes_straight && by != [None; 3] {
         return syntax("directions that follow the way or a cone need a straight move by X, Y and Z");
     }
-    Ok((by != [None; 3]).then_some(Move { from, by, relative }))
+    Ok((by != [None; 3]).then_some(ProgrammedLine { from, by, relative }))
 }

@@ -3,7 +3,7 @@
 //! Facts: the control's frames have translation, scale and mirror for every axis of the channel, rotations for geometry
 //! axes only. Invariant: all numbers are finite and no scale is 0.
 
-use super::frame::Part;
+use super::frame::FrameComponent;
 
 /// Most axes of a channel.
 const AXES: usize = 8;
@@ -13,7 +13,7 @@ const BOUND: f64 = 1e12;
 
 /// The parts along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Own {
+pub(super) struct AxisFrame {
     pub(super) shift: f64,
     pub(super) fine: f64,
     pub(super) scale: f64,
@@ -22,15 +22,15 @@ pub(super) struct Own {
 
 /// The parts along all axes of the channel; those of X, Y and Z are not used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Beside([Own; AXES]);
+pub(super) struct AxisFrames([AxisFrame; AXES]);
 
-impl Default for Own {
+impl Default for AxisFrame {
     fn default() -> Self {
         Self { shift: 0.0, fine: 0.0, scale: 1.0, mirror: false }
     }
 }
 
-impl Own {
+impl AxisFrame {
     /// An axis whose values are multiplied, then shifted.
     pub(super) fn of_line([factor, shift]: [f64; 2]) -> Self {
         Self { shift, scale: factor.abs(), mirror: factor < 0.0, ..Self::default() }
@@ -55,40 +55,40 @@ impl Own {
     }
 }
 
-impl Beside {
+impl AxisFrames {
     /// The parts along the axis of a place in the channel.
-    pub(super) fn of(&self, axis: usize) -> Own {
+    pub(super) fn of(&self, axis: usize) -> AxisFrame {
         self.0.get(axis).copied().unwrap_or_default()
     }
 
     /// Replaces them.
-    pub(super) fn put(&mut self, axis: usize, own: Own) {
+    pub(super) fn put(&mut self, axis: usize, own: AxisFrame) {
         if let Some(slot) = self.0.get_mut(axis) {
             *slot = own;
         }
     }
 
     /// Number of a part along an axis.
-    pub(super) fn get(&self, axis: usize, part: Part) -> f64 {
+    pub(super) fn get(&self, axis: usize, part: FrameComponent) -> f64 {
         let own = self.of(axis);
         match part {
-            Part::Translation => own.shift,
-            Part::Fine => own.fine,
-            Part::Rotation => 0.0,
-            Part::Scale => own.scale,
-            Part::Mirror => f64::from(u8::from(own.mirror)),
+            FrameComponent::Translation => own.shift,
+            FrameComponent::Fine => own.fine,
+            FrameComponent::Rotation => 0.0,
+            FrameComponent::Scale => own.scale,
+            FrameComponent::Mirror => f64::from(u8::from(own.mirror)),
         }
     }
 
     /// Sets a part along an axis.
-    pub(super) fn set(&mut self, axis: usize, part: Part, value: f64) {
+    pub(super) fn set(&mut self, axis: usize, part: FrameComponent, value: f64) {
         let mut own = self.of(axis);
         match part {
-            Part::Translation => own.shift = value,
-            Part::Fine => own.fine = value,
-            Part::Rotation => {}
-            Part::Scale => own.scale = value,
-            Part::Mirror => own.mirror = value != 0.0,
+            FrameComponent::Translation => own.shift = value,
+            FrameComponent::Fine => own.fine = value,
+            FrameComponent::Rotation => {}
+            FrameComponent::Scale => own.scale = value,
+            FrameComponent::Mirror => own.mirror = value != 0.0,
         }
         self.put(axis, own);
     }
@@ -119,13 +119,13 @@ mod tests {
 
     #[test]
     fn chains_act_from_the_right() {
-        let (mut outer, mut inner) = (Beside::default(), Beside::default());
-        outer.put(4, Own { shift: 30.0, fine: 1.0, scale: 2.0, mirror: true });
-        inner.put(4, Own { shift: 10.0, fine: 0.5, scale: 3.0, mirror: true });
+        let (mut outer, mut inner) = (AxisFrames::default(), AxisFrames::default());
+        outer.put(4, AxisFrame { shift: 30.0, fine: 1.0, scale: 2.0, mirror: true });
+        inner.put(4, AxisFrame { shift: 10.0, fine: 0.5, scale: 3.0, mirror: true });
         // 30 − 2 · 10, 1 − 2 · 0.5; two mirrors are none.
         let both = outer.after(&inner).of(4);
-        assert_eq!(both, Own { shift: 10.0, fine: 0.0, scale: 6.0, mirror: false });
-        inner.set(4, Part::Scale, 0.0);
+        assert_eq!(both, AxisFrame { shift: 10.0, fine: 0.0, scale: 6.0, mirror: false });
+        inner.set(4, FrameComponent::Scale, 0.0);
         assert!(!inner.is_sound() && outer.is_sound() && !outer.is_shift());
     }
 }

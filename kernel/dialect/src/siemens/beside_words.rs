@@ -4,7 +4,7 @@
 //! block has polar or Cartesian words of its plane (14280), a circle has a centre, an end or a radius (14900), an angle
 //! within a turn (14910), a corner is not negative (16500). *Invariant:* a block that is refused moves nothing.
 
-use super::{Fault, Outcome};
+use super::{Outcome, SiemensBlockError};
 use counterpoint_fault as diag;
 
 /// Statements whose axis words are data.
@@ -22,7 +22,7 @@ pub(super) fn check(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()>
         let moves = before.find(|word| is_axis(word) || is_motion(word));
         if let Some(word) = moves.or_else(|| words.split(' ').find(|word| is_motion(word))) {
             let text = format!("{own} must be alone in its block; remove {word} (alarm 12120)");
-            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+            return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
         }
     }
     let below = |word: &&str| {
@@ -38,13 +38,13 @@ pub(super) fn check(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()>
     }
     if words.split(' ').any(|word| word.starts_with("RP=-") && word != "RP=-0") {
         let text = "the polar radius RP is negative (alarm 14200)".to_owned();
-        return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+        return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
     }
     let axes = axes(plane());
     match words.split(' ').find(|word| is_axis(word) && word.starts_with(axes)) {
         Some(word) => {
             let text = format!("{word} and polar words are in one block; use one kind (alarm 14280)");
-            Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
+            Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text))
         }
         None => Ok(()),
     }
@@ -56,7 +56,7 @@ fn is_looked_at(word: &str) -> bool {
 }
 
 fn refused<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text))
 }
 
 /// Axes of a plane.

@@ -5,18 +5,23 @@
 //! found in the text.
 
 use super::expression::Expression;
-use super::left::Left;
-use super::line::{Assigned, Item, Jump, Label, Structure};
-use super::run::{MOST_PASSES, Then};
+use super::left::SiemensRemainder;
+use super::line::{AssignmentValue, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
+use super::run::{BlockContinuation, MOST_PASSES};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::host::{Call, Host};
+use crate::host::{InterpreterHost, SubprogramCall};
 
 impl Siemens {
     /// Branches, loops and jumps.
-    pub(super) fn flow(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
+    pub(super) fn flow(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        item: &SiemensItem,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<BlockContinuation> {
         match item {
-            Item::If(condition, jump) => {
+            SiemensItem::If(condition, jump) => {
                 let holds = self.is_true(host, condition)?;
                 let gone = match jump {
                     Some(jump) => holds && self.jump(host, jump)?,
@@ -31,31 +36,33 @@ impl Siemens {
                     }
                 };
                 // The statements after a jump that is not taken are executed, including further conditions.
-                return Ok(if gone { Then::Stop } else { Then::Continue });
+                return Ok(if gone { BlockContinuation::Stop } else { BlockContinuation::Continue });
             }
-            Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::Continue }),
-            Item::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
-            Item::For(variable, first, _) => {
+            SiemensItem::Goto(jump) => {
+                return Ok(if self.jump(host, jump)? { BlockContinuation::Stop } else { BlockContinuation::Continue });
+            }
+            SiemensItem::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
+            SiemensItem::For(variable, first, _) => {
                 let partners = self.partners(host)?;
-                let value = Assigned::One(first.clone(), String::new());
+                let value = AssignmentValue::One(first.clone(), String::new());
                 self.set(host, variable, &value, left)?;
                 if !self.loop_goes_on(host, item)? {
                     self.go(host, partners.last.saturating_add(1))?;
                 }
             }
-            Item::While(condition) | Item::Until(condition) => {
+            SiemensItem::While(condition) | SiemensItem::Until(condition) => {
                 host.tests_loop(true);
                 let holds = self.is_true(host, condition);
                 host.tests_loop(false);
                 let holds = holds?;
                 let partners = self.partners(host)?;
-                let ahead = matches!(item, Item::While(_));
+                let ahead = matches!(item, SiemensItem::While(_));
                 if !holds {
                     self.go(host, if ahead { partners.last } else { partners.first }.saturating_add(1))?;
                 }
             }
-            Item::Structure(structure) => self.structure(host, *structure)?,
-            Item::RepeatPart { first, last, passes, one_block } => {
+            SiemensItem::Structure(structure) => self.structure(host, *structure)?,
+            SiemensItem::RepeatPart { first, last, passes, one_block } => {
                 let passes = match passes {
                     Some(passes) => self.whole_number(host, passes)?,
                     None => 1,
@@ -68,10 +75,10 @@ impl Siemens {
             }
             _ => {}
         }
-        Ok(Then::Stop)
+        Ok(BlockContinuation::Stop)
     }
 
-    fn structure(&mut self, host: &mut dyn Host, structure: Structure) -> Outcome<()> {
+    fn structure(&mut self, host: &mut dyn InterpreterHost, structure: Structure) -> Outcome<()> {
         let partners = self.partners(host)?;
         match structure {
             Structure::EndIf | Structure::Loop | Structure::Repeat => Ok(()),
@@ -82,8 +89,8 @@ impl Siemens {
                 let file = host.place().file;
                 let line = self.line_of(host, file, partners.first);
                 let items = line.as_ref().as_ref().map_or(&[][..], |line| &line.items);
-                let head = items.iter().find(|item| matches!(item, Item::For(..)));
-                let Some(Item::For(variable, ..)) = head else { return syntax("ENDFOR has no FOR") };
+                let head = items.iter().find(|item| matches!(item, SiemensItem::For(..)));
+                let Some(SiemensItem::For(variable, ..)) = head else { return syntax("ENDFOR has no FOR") };
                 let Some(target) = self.locate(host, variable)? else {
                     return syntax(format!("{} of FOR is not a variable", variable.name));
                 };
@@ -98,8 +105,8 @@ impl Siemens {
     }
 
     /// The variable of FOR is not beyond its last value.
-    fn loop_goes_on(&mut self, host: &mut dyn Host, head: &Item) -> Outcome<bool> {
-        let Item::For(variable, _, last) = head else { return Ok(false) };
+    fn loop_goes_on(&mut self, host: &mut dyn InterpreterHost, head: &SiemensItem) -> Outcome<bool> {
+        let SiemensItem::For(variable, _, last) = head else { return Ok(false) };
         let value = self.read(host, variable)?;
         let last = self.evaluate(host, last)?;
         Ok(super::evaluate::number(&value)? <= super::evaluate::number(&last)?)
@@ -107,10 +114,10 @@ impl Siemens {
 
     fn case(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         value: &Expression,
-        cases: &[(Expression, Jump)],
-        default: Option<&Jump>,
+        cases: &[(Expression, SiemensJump)],
+        default: Option<&SiemensJump>,
     ) -> Outcome<()> {
         let value = self.evaluate(host, value)?;
         for (constant, jump) in cases {
@@ -133,12 +140,12 @@ impl Siemens {
     /// REPEAT and REPEATB of a part of the program.
     fn repeated(
         &mut self,
-        host: &mut dyn Host,
-        first: &Label,
-        last: Option<&Label>,
+        host: &mut dyn InterpreterHost,
+        first: &SiemensJumpTarget,
+        last: Option<&SiemensJumpTarget>,
         one_block: bool,
         passes: u32,
-    ) -> Outcome<Option<Call>> {
+    ) -> Outcome<Option<SubprogramCall>> {
         let place = host.place();
         let from = self.label_line(host, first, &place)?;
         let to = match last {
@@ -156,9 +163,9 @@ impl Siemens {
             return Ok(None);
         }
         let name = match first {
-            Label::Number(number) => format!("N{number}"),
-            Label::Name(name) => name.clone(),
-            Label::Value(_) => "REPEAT".to_owned(),
+            SiemensJumpTarget::Number(number) => format!("N{number}"),
+            SiemensJumpTarget::Name(name) => name.clone(),
+            SiemensJumpTarget::Value(_) => "REPEAT".to_owned(),
         };
         Ok(Some(self.prepare_part(host, name, (from, to), passes)))
     }

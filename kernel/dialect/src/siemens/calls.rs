@@ -6,17 +6,16 @@
 
 use std::sync::Arc;
 
-use super::define::{Header, Parameter};
-use super::expression::{Argument, as_name};
+use super::define::{Parameter, ProcHeader};
+use super::expression::{SiemensArgument, as_name};
 use super::jumps::bare;
-use super::line::{Item, read};
-use super::value::{Data, Type};
-use super::variables::{Level, Target, Variable};
-use super::{Fault, Outcome, Siemens, syntax};
-use crate::host::{Call, Host};
+use super::line::{SiemensItem, read};
+use super::variable_store::{PassedArgument, PassedValue, SiemensCallLevel, SiemensVariable, VariableElement};
+use super::{Outcome, Siemens, SiemensBlockError, syntax};
+use crate::host::{InterpreterHost, SubprogramCall};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// A call that is about to begin.
 #[derive(Debug)]
@@ -30,71 +29,19 @@ pub(super) struct Calling {
     pub(super) given: Arc<Vec<PassedArgument>>,
 }
 
-/// An argument.
-#[derive(Debug, Clone)]
-pub(super) struct PassedArgument {
-    value: Passed,
-    /// Where it came from, if that is a variable.
-    from: Option<Target>,
-}
-
-#[derive(Debug, Clone)]
-enum Passed {
-    Missing,
-    One(Data),
-    Whole(Box<Variable>),
-}
-
-impl PassedArgument {
-    /// The same value, as if no variable had given it.
-    pub(super) fn without_variable(&self) -> Self {
-        Self { value: self.value.clone(), from: None }
-    }
-
-    /// Whether the caller has given something.
-    pub(super) fn is_there(&self) -> bool {
-        !matches!(self.value, Passed::Missing)
-    }
-
-    /// The number that a parameter of a resident program holds; 0 for a text and without a value.
-    ///
-    /// # Errors
-    /// The parameter cannot hold the value.
-    pub(super) fn number_as(&self, parameter: &Parameter) -> Result<f64, String> {
-        let name = &parameter.name;
-        match &self.value {
-            Passed::Missing => Ok(0.0),
-            Passed::Whole(_) => Err(format!("an array does not fit the parameter {name}")),
-            Passed::One(Data::Real(value)) if parameter.kind == Type::Real => Ok(*value),
-            Passed::One(value) => match parameter.kind.hold(value.clone()) {
-                Ok(value) => Ok(value.number().unwrap_or(0.0)),
-                Err(text) => Err(format!("{text}, for the parameter {name}")),
-            },
-        }
-    }
-
-    /// Takes the final value of a parameter.
-    pub(super) fn take_from(&mut self, variable: &Variable) {
-        self.value = match variable.values.as_slice() {
-            [one] if variable.sizes.is_empty() => Passed::One(one.clone()),
-            _ => Passed::Whole(Box::new(variable.clone())),
-        };
-    }
-}
-
 pub(super) fn mismatch<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::SIEMENS_ARGUMENTS, text))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_ARGUMENTS, text))
 }
 
 impl Siemens {
     /// Prepares a call; it is made at the end of the block.
     pub(super) fn prepare_call(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        place: Option<(FileId, Range)>,
-        arguments: &[Argument],
-    ) -> Outcome<Call> {
+        place: Option<(FileId, ProgramRange)>,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<SubprogramCall> {
         if self.variables.writes {
             self.check_unchanged(host, name, place)?;
         }
@@ -109,20 +56,26 @@ impl Siemens {
             given.push(self.given(host, argument)?);
         }
         self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given: Arc::new(given) });
-        Ok(Call { name: name.into(), place, passes: 1, closes: true })
+        Ok(SubprogramCall { name: name.into(), place, passes: 1, closes: true })
     }
 
     /// Prepares a part of the running program.
-    pub(super) fn prepare_part(&mut self, host: &dyn Host, name: String, range: (u32, u32), passes: u32) -> Call {
+    pub(super) fn prepare_part(
+        &mut self,
+        host: &dyn InterpreterHost,
+        name: String,
+        range: (u32, u32),
+        passes: u32,
+    ) -> SubprogramCall {
         let place = host.place();
         self.calling = Some(Calling { line: place.line, part: true, outer: 0, given: Arc::default() });
-        let range = Range { number: None, first: range.0, last: range.1 };
-        Call { name: name.into(), place: Some((place.file, range)), passes, closes: true }
+        let range = ProgramRange { number: None, first: range.0, last: range.1 };
+        SubprogramCall { name: name.into(), place: Some((place.file, range)), passes, closes: true }
     }
 
-    fn given(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<PassedArgument> {
+    fn given(&mut self, host: &mut dyn InterpreterHost, argument: &SiemensArgument) -> Outcome<PassedArgument> {
         let expression = match &argument.value {
-            Ok(None) => return Ok(PassedArgument { value: Passed::Missing, from: None }),
+            Ok(None) => return Ok(PassedArgument { value: PassedValue::Missing, from: None }),
             Ok(Some(expression)) => expression,
             Err(text) => return syntax(text.clone()),
         };
@@ -134,17 +87,22 @@ impl Siemens {
                 let Some(variable) = self.variables.whole(&name.name).cloned() else {
                     return mismatch(format!("the array {} of all channels cannot be an argument", name.name));
                 };
-                return Ok(PassedArgument { value: Passed::Whole(Box::new(variable)), from: Some(target) });
+                return Ok(PassedArgument { value: PassedValue::Whole(Box::new(variable)), from: Some(target) });
             }
             let value = self.value_of(host, &target)?;
-            return Ok(PassedArgument { value: Passed::One(value), from: Some(target) });
+            return Ok(PassedArgument { value: PassedValue::One(value), from: Some(target) });
         }
         let value = self.evaluate(host, expression)?;
-        Ok(PassedArgument { value: Passed::One(value), from: None })
+        Ok(PassedArgument { value: PassedValue::One(value), from: None })
     }
 
     /// PROC of a subprogram: its first block.
-    pub(super) fn header_of(&mut self, host: &dyn Host, file: FileId, range: Range) -> Option<Header> {
+    pub(super) fn header_of(
+        &mut self,
+        host: &dyn InterpreterHost,
+        file: FileId,
+        range: ProgramRange,
+    ) -> Option<ProcHeader> {
         let source = host.source(file)?;
         for line in source.walk(range.first, range.last.min(source.lines())) {
             let text = String::from_utf8_lossy(source.line(line));
@@ -153,7 +111,7 @@ impl Siemens {
                 continue;
             }
             return match read(text).ok()?.items.into_iter().next()? {
-                Item::Header(header) => Some(header),
+                SiemensItem::Header(header) => Some(header),
                 _ => None,
             };
         }
@@ -161,21 +119,22 @@ impl Siemens {
     }
 
     /// A subprogram begins.
-    pub(super) fn enter(&mut self, host: &mut dyn Host) {
+    pub(super) fn enter(&mut self, host: &mut dyn InterpreterHost) {
         let line = host.place().line;
         let calls = &mut self.variables.calls;
         match self.calling.take().filter(|calling| calling.line == line) {
             Some(calling) if calling.part => {
                 let aside = (calling.outer > 0).then(|| calls.set_aside(calling.outer));
-                calls.enter_part(Level { aside, ..Level::default() });
+                calls.enter_part(SiemensCallLevel { aside, ..SiemensCallLevel::default() });
             }
-            Some(calling) => calls.enter(Level { given: Arc::unwrap_or_clone(calling.given), ..Level::default() }),
-            None => calls.enter(Level::default()),
+            Some(calling) => calls
+                .enter(SiemensCallLevel { given: Arc::unwrap_or_clone(calling.given), ..SiemensCallLevel::default() }),
+            None => calls.enter(SiemensCallLevel::default()),
         }
     }
 
     /// PROC: parameters become variables.
-    pub(super) fn take_arguments(&mut self, host: &mut dyn Host, header: &Header) -> Outcome<()> {
+    pub(super) fn take_arguments(&mut self, host: &mut dyn InterpreterHost, header: &ProcHeader) -> Outcome<()> {
         let level = self.variables.calls.program_mut();
         if std::mem::replace(&mut level.taken, true) {
             return Ok(());
@@ -204,24 +163,26 @@ impl Siemens {
 
     fn parameter(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         parameter: &Parameter,
         given: Option<&PassedArgument>,
-    ) -> Outcome<Variable> {
+    ) -> Outcome<SiemensVariable> {
         let name = &parameter.name;
         let value = match given.map(|given| &given.value) {
-            Some(Passed::Whole(variable)) if parameter.array && variable.kind == parameter.kind => {
+            Some(PassedValue::Whole(variable)) if parameter.array && variable.kind == parameter.kind => {
                 return Ok((**variable).clone());
             }
-            Some(Passed::Whole(_)) => return mismatch(format!("an array does not fit the parameter {name}")),
-            Some(Passed::One(_)) if parameter.array => return mismatch(format!("the parameter {name} is an array")),
-            Some(Passed::One(value)) => value.clone(),
-            Some(Passed::Missing) | None if parameter.by_reference => {
+            Some(PassedValue::Whole(_)) => return mismatch(format!("an array does not fit the parameter {name}")),
+            Some(PassedValue::One(_)) if parameter.array => {
+                return mismatch(format!("the parameter {name} is an array"));
+            }
+            Some(PassedValue::One(value)) => value.clone(),
+            Some(PassedValue::Missing) | None if parameter.by_reference => {
                 return mismatch(format!(
                     "the parameter {name} needs a variable of the caller, but the argument is missing"
                 ));
             }
-            Some(Passed::Missing) | None => match &parameter.default {
+            Some(PassedValue::Missing) | None => match &parameter.default {
                 Some(default) => self.evaluate(host, default)?,
                 None => parameter.kind.initial(),
             },
@@ -230,13 +191,13 @@ impl Siemens {
             return mismatch(format!("the parameter {name} needs a variable of the caller"));
         }
         match parameter.kind.hold(value) {
-            Ok(value) => Ok(Variable::one(parameter.kind, value)),
+            Ok(value) => Ok(SiemensVariable::one(parameter.kind, value)),
             Err(text) => mismatch(format!("{text}, for the parameter {name}")),
         }
     }
 
     /// A subprogram has returned: the caller stores the values that it passes back.
-    pub(super) fn leave(&mut self, host: &mut dyn Host) -> Outcome<()> {
+    pub(super) fn leave(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
         let Some(level) = self.variables.leave() else { return Ok(()) };
         if let Some(modes) = &level.modes {
             host.restore_modes(modes);
@@ -254,7 +215,12 @@ impl Siemens {
         Ok(())
     }
 
-    fn store_back(&mut self, host: &mut dyn Host, target: &Target, variable: &Variable) -> Outcome<()> {
+    fn store_back(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        target: &VariableElement,
+        variable: &SiemensVariable,
+    ) -> Outcome<()> {
         for (step, value) in variable.values.iter().enumerate() {
             self.store(host, &target.element(step), value.clone())?;
         }
@@ -264,9 +230,9 @@ impl Siemens {
     /// `L…`, a name, a name with arguments: the subprogram, if there is one.
     pub(super) fn known_program(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-    ) -> Outcome<Option<Option<(FileId, Range)>>> {
+    ) -> Outcome<Option<Option<(FileId, ProgramRange)>>> {
         if !self.settings.subprograms {
             return Ok(None);
         }
@@ -278,18 +244,18 @@ impl Siemens {
     /// The lines between two labels, both of a subprogram or of the running program.
     pub(super) fn section(
         &mut self,
-        host: &mut dyn Host,
-        place: (FileId, Range),
+        host: &mut dyn InterpreterHost,
+        place: (FileId, ProgramRange),
         labels: &(String, String),
-    ) -> Outcome<(FileId, Range)> {
+    ) -> Outcome<(FileId, ProgramRange)> {
         let (file, range) = place;
-        let at = crate::host::Place { file, range, line: range.first.saturating_sub(1), ..host.place() };
-        let label = |name: &String| super::line::Label::Name(name.clone());
+        let at = crate::host::ProgramPlace { file, range, line: range.first.saturating_sub(1), ..host.place() };
+        let label = |name: &String| super::line::SiemensJumpTarget::Name(name.clone());
         let first = self.label_line(host, &label(&labels.0), &at)?;
         let last = self.label_line(host, &label(&labels.1), &at)?;
         if last < first {
             return syntax(format!("label {} comes before label {}", labels.1, labels.0));
         }
-        Ok((file, Range { number: None, first, last }))
+        Ok((file, ProgramRange { number: None, first, last }))
     }
 }

@@ -13,21 +13,21 @@
 //! names are unknown, as on the control.
 
 use super::evaluate::number;
-use super::expression::Argument;
+use super::expression::SiemensArgument;
 use super::value::Data;
-use super::variables::Target;
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::{Call, Host};
+use super::variable_store::VariableElement;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::{InterpreterHost, SubprogramCall};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_motion::contour::area::{Area, backwards};
+use counterpoint_motion::contour::area::{ClearingArea, backwards};
 use counterpoint_motion::contour::clearing::Clearing;
 use counterpoint_motion::contour::element::{Element, Spot};
 use counterpoint_motion::contour::shifted::shifted;
 use counterpoint_motion::lettering;
 use counterpoint_motion::turning::strip::Strip;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Columns of a table of pieces: kind (1 to 3 as G1 to G3), end, centre, along both axes of the plane.
 const COLUMNS: usize = 5;
@@ -39,9 +39,9 @@ impl Siemens {
     /// Executes such a statement; whether it is one.
     pub(super) fn contour_statement(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        arguments: &[Argument],
+        arguments: &[SiemensArgument],
     ) -> Outcome<bool> {
         let statement = match name {
             "SC_KEEP" => Self::keep_contour,
@@ -64,25 +64,28 @@ impl Siemens {
             return Ok(false);
         }
         if host.reads_contour() {
-            return Err(Fault::Alarm(&diag::CONTOUR_CODE, "a contour has no cycle along a contour".to_owned()));
+            return Err(SiemensBlockError::Alarm(
+                &diag::CONTOUR_CODE,
+                "a contour has no cycle along a contour".to_owned(),
+            ));
         }
         statement(self, host, arguments)?;
         Ok(true)
     }
 
-    fn keep_contour(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn keep_contour(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let name = self.contour_name(host, arguments)?;
         self.variables.contours.push(name);
         Ok(())
     }
 
-    fn forget_contours(&mut self, _: &mut dyn Host, _: &[Argument]) -> Outcome<()> {
+    fn forget_contours(&mut self, _: &mut dyn InterpreterHost, _: &[SiemensArgument]) -> Outcome<()> {
         self.variables.contours.clear();
-        self.variables.area = Area::default();
+        self.variables.area = ClearingArea::default();
         Ok(())
     }
 
-    fn contour_name(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
+    fn contour_name(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<String> {
         let Some(first) = arguments.first() else { return syntax("the name of a contour is missing") };
         match self.argument(host, first)? {
             Some(Data::Text(name)) => Ok(name.trim().to_ascii_uppercase()),
@@ -94,7 +97,7 @@ impl Siemens {
         }
     }
 
-    fn read_contour(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn read_contour(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let mut name = self.contour_name(host, arguments)?;
         if name.is_empty() {
             match self.variables.contours.as_slice() {
@@ -114,32 +117,42 @@ impl Siemens {
 
     /// A contour by its name: the subprogram of that name, or a section of the program. The control's editor of
     /// contours writes labels around such a section.
-    fn contour_by_name(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<Call> {
+    fn contour_by_name(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<SubprogramCall> {
         let found = self.program_by_path(host, name)?;
         if !name.is_empty() && found.is_some() {
             return self.prepare_call(host, name, found, arguments.get(1..).unwrap_or_default());
         }
         let (from, to) = (format!("E_LAB_A_{name}"), format!("E_LAB_E_{name}"));
         self.contour_section(host, name, (&from, &to)).map_err(|fault| match fault {
-            Fault::Halt(halt) => Fault::Halt(halt),
-            Fault::Alarm(..) => {
+            SiemensBlockError::Halt(halt) => SiemensBlockError::Halt(halt),
+            SiemensBlockError::Alarm(..) => {
                 let text = format!(
                     "the contour '{name}' is no subprogram (alarm 14011, program not there), and the program has no labels {from} and {to}"
                 );
-                Fault::Alarm(&diag::SUBPROGRAM_MISSING, text)
+                SiemensBlockError::Alarm(&diag::SUBPROGRAM_MISSING, text)
             }
         })
     }
 
     /// The lines between two labels of the program that has called the cycle.
-    fn contour_section(&mut self, host: &mut dyn Host, name: &str, (from, to): (&str, &str)) -> Outcome<Call> {
+    fn contour_section(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        (from, to): (&str, &str),
+    ) -> Outcome<SubprogramCall> {
         let (files, callers) = (host.files(), host.callers());
         let outer = callers.iter().take_while(|(file, _)| is_stored(&files, *file)).count();
         let Some(caller) = callers.get(outer).copied() else { return syntax("no program has called the cycle") };
         let labels = (from.to_owned(), to.to_owned());
         let (file, range) = self.section(host, caller, &labels)?;
         let mut call = self.prepare_part(host, name.to_owned(), (range.first, range.last), 1);
-        call.place = Some((file, Range { number: None, ..range }));
+        call.place = Some((file, ProgramRange { number: None, ..range }));
         if let Some(calling) = &mut self.calling {
             calling.outer = outer;
         }
@@ -147,7 +160,7 @@ impl Siemens {
     }
 
     /// Number of the contours that are named.
-    fn kept_contours(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn kept_contours(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let count = i64::try_from(self.variables.contours.len()).unwrap_or(i64::MAX);
         let [target] = self.targets(host, arguments)?;
         self.store(host, &target, Data::Int(count))
@@ -155,7 +168,7 @@ impl Siemens {
 
     /// Adds the contour that was read to the pocket, as its rim or as an island; the number of rings, -1 if it is not
     /// closed.
-    fn ring(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn ring(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [target] = self.targets(host, arguments)?;
         if host.contour().len() > MOST_PIECES {
             return syntax(format!("a contour of a pocket has more than {MOST_PIECES} pieces"));
@@ -166,14 +179,14 @@ impl Siemens {
     }
 
     /// The first ring is the rim of a blank: the tool may be beyond it by a number.
-    fn leave_blank(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn leave_blank(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [beyond] = self.numbers(host, arguments)?;
         self.variables.area.leave(beyond * host.length_factor());
         Ok(())
     }
 
     /// A tool of a radius has cleared the pocket before, with an allowance.
-    fn follow_tool(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn follow_tool(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [radius, away] = self.numbers(host, arguments)?;
         let factor = host.length_factor();
         self.variables.area.follow(radius * factor, away * factor);
@@ -191,7 +204,7 @@ impl Siemens {
     /// Paths around the pocket and its islands at a distance, as rows of a table. They run in the direction of G3
     /// around the rim or, with a number other than 0 after the step of the cuts, of G2. Each path follows a row of kind
     /// 0 with its start. -1 rows if the tool fits nowhere.
-    fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn ways(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let [by, step, turned] = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
         let factor = host.length_factor();
@@ -204,7 +217,7 @@ impl Siemens {
     }
 
     /// Cuts that clear the pocket inside of such paths: rows of a table as those of the paths.
-    fn lines(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn lines(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let sizes = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
         let factor = host.length_factor();
@@ -213,7 +226,7 @@ impl Siemens {
     }
 
     /// Where the tool goes down into the full to clear the pocket: rows of kind 0; -1 of them if it fits nowhere.
-    fn holes(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn holes(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let sizes = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
         let factor = host.length_factor();
@@ -226,7 +239,7 @@ impl Siemens {
 
     /// Strokes of a text with capitals of height 1, and the width of one of its letters. The strokes are rows of a
     /// table, each starting with a row of kind 0; -1 rows if a letter is not ASCII.
-    fn letters(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn letters(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [count, table, wide] = self.targets(host, arguments)?;
         let mut rest = [None, None];
         for (slot, argument) in rest.iter_mut().zip(arguments.iter().skip(3)) {
@@ -247,7 +260,11 @@ impl Siemens {
     }
 
     /// Variables that the first arguments name.
-    fn targets<const N: usize>(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[Target; N]> {
+    fn targets<const N: usize>(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<[VariableElement; N]> {
         let mut targets = Vec::new();
         for argument in arguments.iter().take(N) {
             targets.push(self.variable_of(host, argument)?);
@@ -256,7 +273,11 @@ impl Siemens {
     }
 
     /// Numbers among arguments; a missing number is 0.
-    fn numbers<const N: usize>(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[f64; N]> {
+    fn numbers<const N: usize>(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<[f64; N]> {
         let mut values = [0.0; N];
         for (slot, argument) in values.iter_mut().zip(arguments) {
             *slot = self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?;
@@ -267,8 +288,8 @@ impl Siemens {
     /// Puts rows into a table as far as it has room, and their number into a variable.
     fn fill(
         &mut self,
-        host: &mut dyn Host,
-        (count, table): (&Target, &Target),
+        host: &mut dyn InterpreterHost,
+        (count, table): (&VariableElement, &VariableElement),
         rows: &[[f64; COLUMNS]],
         factor: f64,
     ) -> Outcome<()> {
@@ -284,7 +305,7 @@ impl Siemens {
 
     /// Number of pieces, and the pieces as far as the table has room; the first row is where the contour begins. A
     /// third number moves them to the left, below zero to the right; -1 pieces if that is not possible.
-    fn pieces(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn pieces(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let by = match arguments.get(2) {
             Some(argument) => self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?,
@@ -311,7 +332,7 @@ impl Siemens {
     }
 
     /// Removes stock along the contour that was read.
-    fn strip(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn strip(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let mut values = [0.0; 16];
         if !(15..=values.len()).contains(&arguments.len()) {
             return syntax("SC_STRIP needs 15 or 16 numbers");

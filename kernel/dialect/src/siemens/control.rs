@@ -3,7 +3,7 @@
 use super::{Siemens, needs_interpreter};
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::Interpreter;
-use crate::outline::Reader;
+use crate::outline::OutlineReader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
@@ -16,9 +16,9 @@ static SYNTAX: Syntax = Syntax {
 };
 
 /// 840D controls.
-pub(crate) struct Control;
+pub(crate) struct SiemensDialect;
 
-impl Dialect for Control {
+impl Dialect for SiemensDialect {
     fn name(&self) -> &'static str {
         "siemens"
     }
@@ -56,8 +56,8 @@ impl Dialect for Control {
         format!("12550 name not defined or option missing: {text} is not known")
     }
 
-    fn reader(&self, _: &Machine) -> Option<Box<dyn Reader>> {
-        Some(Box::<super::outline::Outlines>::default())
+    fn reader(&self, _: &Machine) -> Option<Box<dyn OutlineReader>> {
+        Some(Box::<super::outline::SiemensOutlineReader>::default())
     }
 
     fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {

@@ -5,22 +5,27 @@
 //! they wait for and their marks; the arguments are read here. A channel may be given by its name, unless a variable
 //! has that name.
 
-use super::expression::{Argument, as_name};
+use super::expression::{SiemensArgument, as_name};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens};
-use crate::host::{Host, Operands};
+use super::{Outcome, Siemens, SiemensBlockError};
+use crate::host::{InterpreterHost, Operands};
 use counterpoint_fault as diag;
 
 fn wrong<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::STATEMENT_ARGUMENTS, text))
+    Err(SiemensBlockError::Alarm(&diag::STATEMENT_ARGUMENTS, text))
 }
 
 impl Siemens {
     /// Executes a statement between channels; whether it is one.
-    pub(super) fn coordination(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+    pub(super) fn coordination(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<bool> {
         let Some(operands) = host.coordinates(name) else { return Ok(false) };
         if host.reads_contour() {
-            return Err(Fault::Alarm(&diag::CONTOUR_CODE, format!("a contour has no {name}")));
+            return Err(SiemensBlockError::Alarm(&diag::CONTOUR_CODE, format!("a contour has no {name}")));
         }
         match operands {
             Operands::Program => return self.select(host, name, arguments).map(|()| true),
@@ -57,9 +62,9 @@ impl Siemens {
     /// GET, GETD and RELEASE: axes; AXTOCHAN: pairs of an axis and a channel.
     fn exchange(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         statement: &str,
-        (arguments, each): (&[Argument], usize),
+        (arguments, each): (&[SiemensArgument], usize),
     ) -> Outcome<()> {
         if arguments.is_empty() || !arguments.len().is_multiple_of(each) {
             let needs = if each == 2 { "pairs of an axis and a channel" } else { "an axis" };
@@ -78,7 +83,11 @@ impl Siemens {
     }
 
     /// Name of an axis or a spindle as an argument: `C1`, `S2`, `SPI(2)`, a variable of the type AXIS, a text.
-    fn axis_or_spindle(&mut self, host: &mut dyn Host, (statement, argument): (&str, &Argument)) -> Outcome<String> {
+    fn axis_or_spindle(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        (statement, argument): (&str, &SiemensArgument),
+    ) -> Outcome<String> {
         if let Ok(Some(expression)) = &argument.value
             && let Some(name) = as_name(expression)
             && name.index.is_empty()
@@ -98,7 +107,12 @@ impl Siemens {
 
     /// INIT: a channel, the path of its program, and whether a program that is missing is reported here (`"S"`, as
     /// without) or at the start (`"N"`).
-    fn select(&mut self, host: &mut dyn Host, statement: &str, arguments: &[Argument]) -> Outcome<()> {
+    fn select(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        statement: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<()> {
         let ([channel, path] | [channel, path, _]) = arguments else {
             return wrong(format!("{statement} needs a channel and a program"));
         };
@@ -114,7 +128,7 @@ impl Siemens {
         let found = self.program_by_path(host, &path)?;
         if found.is_none() && waits {
             let text = format!("program {path} for channel {channel} not found");
-            return Err(Fault::Alarm(&diag::CHANNEL_NOT_STARTED, text));
+            return Err(SiemensBlockError::Alarm(&diag::CHANNEL_NOT_STARTED, text));
         }
         Ok(host.select(channel, &path, found)?)
     }
@@ -122,8 +136,8 @@ impl Siemens {
     /// An argument as a number; a channel may have a name.
     fn mark_or_channel(
         &mut self,
-        host: &mut dyn Host,
-        (statement, argument): (&str, &Argument),
+        host: &mut dyn InterpreterHost,
+        (statement, argument): (&str, &SiemensArgument),
         is_channel: bool,
     ) -> Outcome<i64> {
         if let Ok(Some(expression)) = &argument.value

@@ -4,7 +4,7 @@
 
 /// A place in a text.
 #[derive(Debug, Clone)]
-pub(super) struct Cursor<'a> {
+pub(super) struct SiemensCursor<'a> {
     text: &'a str,
     at: usize,
     /// Parentheses, brackets and arguments around the place.
@@ -23,7 +23,7 @@ pub(super) fn in_name(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> SiemensCursor<'a> {
     pub(super) fn new(text: &'a str) -> Self {
         Self { text, at: 0, depth: 0, operators: 0 }
     }
@@ -37,7 +37,7 @@ impl<'a> Cursor<'a> {
         self.at
     }
 
-    /// Goes back to a place that [`Cursor::at`] gave.
+    /// Goes back to a place that [`SiemensCursor::at`] gave.
     pub(super) fn back_to(&mut self, at: usize) {
         self.at = at;
     }

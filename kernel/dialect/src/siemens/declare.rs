@@ -4,14 +4,15 @@
 //! channels its value; a definition of the channel that comes again leaves the value; a definition of a program that
 //! comes again in the same block begins anew. Invariant: sizes are bounded before anything is made.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::define::{Declaration, Declared, Initial, LONGEST_TEXT, Scope};
-use super::expression::Name;
+use super::define::{DeclaredVariable, Initial, LONGEST_TEXT, VariableDeclaration, VariableScope};
+use super::expression::IndexedName;
 use super::value::Type;
-use super::variables::{Holder, MOST_IN_ALL, Target, Variable, declared_key};
-use super::{Fault, Outcome, Siemens};
-use crate::host::Host;
+use super::variable_store::{MOST_IN_ALL, SiemensVariable, VariableElement, VariableStorage};
+use super::variables::declared_key;
+use super::{Outcome, Siemens, SiemensBlockError};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// Most elements of a variable.
@@ -20,12 +21,12 @@ const MOST_ELEMENTS: usize = 100_000;
 const MOST_SHARED: usize = 10_000;
 
 fn refused<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::SIEMENS_DEFINITION, text))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_DEFINITION, text))
 }
 
 impl Siemens {
     /// Refuses DEF after a block of its program that defines nothing.
-    pub(super) fn check_first(&mut self, host: &dyn Host) -> Outcome<()> {
+    pub(super) fn check_first(&mut self, host: &dyn InterpreterHost) -> Outcome<()> {
         let place = host.place();
         if !place.as_read || host.shares_programs() {
             return Ok(());
@@ -39,7 +40,12 @@ impl Siemens {
     }
 
     /// DEF, REDEF: with `again` variables that exist get another value, or type.
-    pub(super) fn declare(&mut self, host: &mut dyn Host, declaration: &Declaration, again: bool) -> Outcome<()> {
+    pub(super) fn declare(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        declaration: &VariableDeclaration,
+        again: bool,
+    ) -> Outcome<()> {
         let Some(kind) = declaration.kind else {
             if !again {
                 return super::syntax("DEF needs a type");
@@ -56,27 +62,32 @@ impl Siemens {
         };
         let scope = match declaration.scope {
             Some(scope) => scope,
-            None if self.settings.global => Scope::Channel,
-            None => Scope::Local,
+            None if self.settings.global => VariableScope::Channel,
+            None => VariableScope::Local,
         };
         declaration.variables.iter().try_for_each(|variable| self.declare_one(host, scope, kind, variable, again))
     }
 
-    fn redeclare(&mut self, host: &mut dyn Host, variable: &Declared) -> Outcome<()> {
-        let name = Name { name: variable.name.clone(), index: Vec::new() };
+    fn redeclare(&mut self, host: &mut dyn InterpreterHost, variable: &DeclaredVariable) -> Outcome<()> {
+        let name = IndexedName { name: variable.name.clone(), index: Vec::new() };
         let Some(target) = self.locate(host, &name)? else {
             return refused(format!("variable {} of REDEF does not exist", variable.name));
         };
         self.begin_with(host, &target, variable.initial.as_ref())
     }
 
-    fn begin_with(&mut self, host: &mut dyn Host, target: &Target, initial: Option<&Initial>) -> Outcome<()> {
+    fn begin_with(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        target: &VariableElement,
+        initial: Option<&Initial>,
+    ) -> Outcome<()> {
         match initial {
             None => Ok(()),
             Some(Initial::One(value)) => {
                 let value = self.evaluate(host, value)?;
                 (0..target.count).try_for_each(|at| {
-                    let element = Target { at, whole: false, ..target.clone() };
+                    let element = VariableElement { at, whole: false, ..target.clone() };
                     self.store(host, &element, value.clone())
                 })
             }
@@ -87,10 +98,10 @@ impl Siemens {
 
     fn declare_one(
         &mut self,
-        host: &mut dyn Host,
-        scope: Scope,
+        host: &mut dyn InterpreterHost,
+        scope: VariableScope,
         kind: Type,
-        declared: &Declared,
+        declared: &DeclaredVariable,
         again: bool,
     ) -> Outcome<()> {
         let name = &declared.name;
@@ -109,52 +120,54 @@ impl Siemens {
             }
         }
         let count = sizes.iter().product::<usize>().max(1);
-        let most = if scope == Scope::Nck { MOST_SHARED } else { MOST_ELEMENTS };
+        let most = if scope == VariableScope::Nck { MOST_SHARED } else { MOST_ELEMENTS };
         if count > most {
             return refused(format!("{name} has {count} elements (maximum {most})"));
         }
-        if scope == Scope::Nck {
+        if scope == VariableScope::Nck {
             return self.declare_shared(host, kind, sizes, declared, again);
         }
         host.work(count)?;
         let place = host.place();
-        let variable = Variable { kind, sizes, values: vec![kind.initial(); count], born: (place.file, place.line) };
+        let variable =
+            SiemensVariable { kind, sizes, values: vec![kind.initial(); count], born: (place.file, place.line) };
         let variables = &mut self.variables;
         let running = variables.calls.program_depth();
         let old = match scope {
-            Scope::Channel => variables.channel.get(name),
+            VariableScope::Channel => variables.channel.get(name),
             _ => variables.calls.at(running).and_then(|level| level.variables.get(name)),
         };
         if let Some(old) = old.filter(|_| !again) {
-            if scope == Scope::Channel && (old.kind, &old.sizes) == (kind, &variable.sizes) {
+            if scope == VariableScope::Channel && (old.kind, &old.sizes) == (kind, &variable.sizes) {
                 // The definitions of the channel are read with each program, their values stay.
                 return Ok(());
             }
-            if old.born != variable.born || scope == Scope::Channel {
+            if old.born != variable.born || scope == VariableScope::Channel {
                 return refused(format!("{name} is defined twice (alarm 12170)"));
             }
         }
         if variables.elements + count > MOST_IN_ALL {
             return refused("there is no room for more variables".to_owned());
         }
-        let holder = if scope == Scope::Channel {
+        let holder = if scope == VariableScope::Channel {
             variables.keep_in_channel(name, variable);
-            Holder::Channel
+            VariableStorage::Channel
         } else {
             variables.keep(name, variable);
-            Holder::Level(running)
+            VariableStorage::Level(running)
         };
-        let target = Target { holder, name: name.clone().into(), kind, at: 0, count, whole: false, part: None };
+        let target =
+            VariableElement { holder, name: name.clone().into(), kind, at: 0, count, whole: false, part: None };
         self.begin_with(host, &target, declared.initial.as_ref())
     }
 
     /// The first definition of the job gives the variable its value.
     fn declare_shared(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         kind: Type,
         sizes: Vec<usize>,
-        declared: &Declared,
+        declared: &DeclaredVariable,
         again: bool,
     ) -> Outcome<()> {
         let name = &declared.name;
@@ -171,10 +184,17 @@ impl Siemens {
         for size in &sizes {
             text.push_str(&format!(" {size}"));
         }
-        host.set_shared(&declared_key(name), Some(Value::text(text)))?;
+        host.set_shared(&declared_key(name), Some(MacroValue::text(text)))?;
         self.variables.shared.insert(name.clone(), (kind, sizes));
-        let target =
-            Target { holder: Holder::Shared, name: name.clone().into(), kind, at: 0, count, whole: false, part: None };
+        let target = VariableElement {
+            holder: VariableStorage::Shared,
+            name: name.clone().into(),
+            kind,
+            at: 0,
+            count,
+            whole: false,
+            part: None,
+        };
         self.begin_with(host, &target, declared.initial.as_ref())
     }
 }

@@ -3,14 +3,14 @@
 //! Facts: reference control-emulator.md 5.4. Invariant: reading changes nothing; sizes are expressions until the block
 //! runs.
 
-use super::cursor::{Cursor, split_list};
-use super::expression::{Argument, Expression, arguments, expression, unexpected};
+use super::cursor::{SiemensCursor, split_list};
+use super::expression::{Expression, SiemensArgument, arguments, expression, unexpected};
 use super::value::Data;
 use super::value::Type;
 
 /// Whose variable it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scope {
+pub(super) enum VariableScope {
     /// All channels.
     Nck,
     /// All programs of the channel.
@@ -21,18 +21,18 @@ pub(super) enum Scope {
 
 /// DEF: variables of one type.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Declaration {
-    pub(super) scope: Option<Scope>,
+pub(super) struct VariableDeclaration {
+    pub(super) scope: Option<VariableScope>,
     /// None in a REDEF of attributes.
     pub(super) kind: Option<Type>,
     /// Longest text of a STRING.
     pub(super) length: Option<Expression>,
-    pub(super) variables: Vec<Declared>,
+    pub(super) variables: Vec<DeclaredVariable>,
 }
 
 /// A variable of a declaration.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Declared {
+pub(super) struct DeclaredVariable {
     pub(super) name: String,
     pub(super) sizes: Vec<Expression>,
     pub(super) initial: Option<Initial>,
@@ -42,13 +42,13 @@ pub(super) struct Declared {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Initial {
     One(Expression),
-    List(Vec<Argument>),
-    Fill(Vec<Argument>),
+    List(Vec<SiemensArgument>),
+    Fill(Vec<SiemensArgument>),
 }
 
 /// PROC or EXTERN.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Header {
+pub(super) struct ProcHeader {
     pub(super) name: String,
     pub(super) parameters: Vec<Parameter>,
     /// SAVE: modal codes come back at the end.
@@ -75,7 +75,7 @@ const ATTRIBUTES: [&str; 19] = [
 ];
 
 /// A list of values in parentheses, if one follows.
-pub(super) fn list(cursor: &mut Cursor<'_>) -> Result<Option<Vec<Argument>>, String> {
+pub(super) fn list(cursor: &mut SiemensCursor<'_>) -> Result<Option<Vec<SiemensArgument>>, String> {
     let mut ahead = cursor.clone();
     let is_list = ahead.enclosed(b'(', b')').is_some_and(|inner| split_list(inner).len() > 1);
     cursor.blanks();
@@ -83,12 +83,12 @@ pub(super) fn list(cursor: &mut Cursor<'_>) -> Result<Option<Vec<Argument>>, Str
 }
 
 /// Behind DEF or REDEF.
-pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String> {
+pub(super) fn declaration(cursor: &mut SiemensCursor<'_>) -> Result<VariableDeclaration, String> {
     let (mut scope, mut kind, mut length) = (None, None, None);
     while let Some(name) = cursor.peeked_name().map(str::to_ascii_uppercase) {
         match name.as_str() {
-            "NCK" => scope = Some(Scope::Nck),
-            "CHAN" => scope = Some(Scope::Channel),
+            "NCK" => scope = Some(VariableScope::Nck),
+            "CHAN" => scope = Some(VariableScope::Channel),
             _ if ATTRIBUTES.contains(&name.as_str()) => {
                 attribute(cursor)?;
                 continue;
@@ -111,7 +111,7 @@ pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String
         variables.push(declared(cursor)?);
         cursor.blanks();
         if cursor.is_at_end() {
-            return Ok(Declaration { scope, kind, length, variables });
+            return Ok(VariableDeclaration { scope, kind, length, variables });
         }
         if !cursor.takes(",") {
             return Err(unexpected(cursor));
@@ -119,7 +119,7 @@ pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String
     }
 }
 
-fn attribute(cursor: &mut Cursor<'_>) -> Result<(), String> {
+fn attribute(cursor: &mut SiemensCursor<'_>) -> Result<(), String> {
     let name = cursor.name().unwrap_or_default().to_ascii_uppercase();
     // When data get their first value again: the value may follow.
     let is_moment = name.starts_with("INI") || name == "PRLOC";
@@ -132,7 +132,7 @@ fn attribute(cursor: &mut Cursor<'_>) -> Result<(), String> {
 }
 
 /// `[n]` after STRING.
-fn text_length(cursor: &mut Cursor<'_>, kind: Type) -> Result<Option<Expression>, String> {
+fn text_length(cursor: &mut SiemensCursor<'_>, kind: Type) -> Result<Option<Expression>, String> {
     if !matches!(kind, Type::Text(_)) || !cursor.takes("[") {
         return Ok(None);
     }
@@ -140,7 +140,7 @@ fn text_length(cursor: &mut Cursor<'_>, kind: Type) -> Result<Option<Expression>
     if cursor.takes("]") { Ok(Some(length)) } else { Err(format!("a ']' is missing, {}", unexpected(cursor))) }
 }
 
-fn declared(cursor: &mut Cursor<'_>) -> Result<Declared, String> {
+fn declared(cursor: &mut SiemensCursor<'_>) -> Result<DeclaredVariable, String> {
     let Some(name) = cursor.name() else { return Err(format!("a name is missing, {}", unexpected(cursor))) };
     let name = name.to_ascii_uppercase();
     let mut sizes = Vec::new();
@@ -174,10 +174,10 @@ fn declared(cursor: &mut Cursor<'_>) -> Result<Declared, String> {
         }
     };
     attributes(cursor)?;
-    Ok(Declared { name, sizes, initial })
+    Ok(DeclaredVariable { name, sizes, initial })
 }
 
-fn attributes(cursor: &mut Cursor<'_>) -> Result<(), String> {
+fn attributes(cursor: &mut SiemensCursor<'_>) -> Result<(), String> {
     while cursor.peeked_name().is_some_and(|name| ATTRIBUTES.contains(&name.to_ascii_uppercase().as_str())) {
         attribute(cursor)?;
     }
@@ -185,9 +185,9 @@ fn attributes(cursor: &mut Cursor<'_>) -> Result<(), String> {
 }
 
 /// Behind PROC or EXTERN.
-pub(super) fn header(cursor: &mut Cursor<'_>) -> Result<Header, String> {
+pub(super) fn header(cursor: &mut SiemensCursor<'_>) -> Result<ProcHeader, String> {
     let Some(name) = cursor.name() else { return Err(format!("a name is missing, {}", unexpected(cursor))) };
-    let mut header = Header { name: name.to_ascii_uppercase(), parameters: Vec::new(), save: false };
+    let mut header = ProcHeader { name: name.to_ascii_uppercase(), parameters: Vec::new(), save: false };
     let mut ahead = cursor.clone();
     if ahead.takes("(") {
         let Some(inner) = cursor.enclosed(b'(', b')') else { return Err("a ')' is missing".to_owned()) };
@@ -203,7 +203,7 @@ pub(super) fn header(cursor: &mut Cursor<'_>) -> Result<Header, String> {
     Ok(header)
 }
 
-fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, String> {
+fn parameter(cursor: &mut SiemensCursor<'_>) -> Result<Parameter, String> {
     let by_reference = cursor.word("VAR");
     let kind = cursor.name().and_then(|name| Type::named(&name.to_ascii_uppercase()));
     let Some(mut kind) = kind else { return Err(format!("a type is missing, {}", unexpected(cursor))) };

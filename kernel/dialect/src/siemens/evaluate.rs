@@ -5,12 +5,12 @@
 //! within a part in 10^12. A name that nothing knows is asked of the
 //! identification macro, then it is an alarm. Invariant: a REAL that comes out is finite.
 
-use super::expression::{Argument, Expression, Name, Own, as_name, whole};
+use super::expression::{Expression, IndexedName, SiemensArgument, SiemensOp, as_name, whole};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, functions, syntax, wrong_type};
+use super::{Outcome, Siemens, SiemensBlockError, functions, syntax, wrong_type};
 use crate::expression::{Evaluate, Stack};
-use crate::host::{Answer, Host};
-use crate::numeric::{Function, Operator};
+use crate::host::{IdentificationAnswer, InterpreterHost};
+use crate::numeric::{NumericFunction, NumericOperator};
 use counterpoint_fault as diag;
 
 /// Most characters of a text.
@@ -21,7 +21,7 @@ pub(super) fn real(value: f64) -> Outcome<Data> {
     if value.is_finite() {
         Ok(Data::Real(value))
     } else {
-        Err(Fault::Alarm(&diag::MACRO_DOMAIN, "the result is out of range".to_owned()))
+        Err(SiemensBlockError::Alarm(&diag::MACRO_DOMAIN, "the result is out of range".to_owned()))
     }
 }
 
@@ -34,26 +34,26 @@ pub(super) fn number(value: &Data) -> Outcome<f64> {
 }
 
 /// The interpreter and its kernel as the source of values for expressions.
-struct Values<'s> {
+struct SiemensEvaluator<'s> {
     siemens: &'s mut Siemens,
-    host: &'s mut dyn Host,
+    host: &'s mut dyn InterpreterHost,
 }
 
-impl Evaluate<Data, Own> for Values<'_> {
-    type Stop = Fault;
+impl Evaluate<Data, SiemensOp> for SiemensEvaluator<'_> {
+    type Stop = SiemensBlockError;
 
-    fn own(&mut self, own: &Own, _: &mut Stack<Data>) -> Outcome<Data> {
+    fn own(&mut self, own: &SiemensOp, _: &mut Stack<Data>) -> Outcome<Data> {
         match own {
-            Own::Name(name) => self.siemens.read(self.host, name),
-            Own::Call(name, arguments) => self.siemens.function(self.host, name, arguments),
+            SiemensOp::Name(name) => self.siemens.read(self.host, name),
+            SiemensOp::Call(name, arguments) => self.siemens.function(self.host, name, arguments),
         }
     }
 
-    fn apply(&mut self, function: Function, value: Data) -> Outcome<Data> {
+    fn apply(&mut self, function: NumericFunction, value: Data) -> Outcome<Data> {
         functions::apply(function, &value)
     }
 
-    fn combine(&mut self, operator: Operator, left: Data, right: Data) -> Outcome<Data> {
+    fn combine(&mut self, operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {
         binary(operator, left, right)
     }
 }
@@ -63,23 +63,27 @@ const TOOL_NAME: &str = "$P_TOOLNAME";
 
 impl Siemens {
     /// Value of an expression.
-    pub(super) fn evaluate(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<Data> {
-        Values { siemens: self, host }.evaluate(expression)
+    pub(super) fn evaluate(&mut self, host: &mut dyn InterpreterHost, expression: &Expression) -> Outcome<Data> {
+        SiemensEvaluator { siemens: self, host }.evaluate(expression)
     }
 
     /// A condition.
-    pub(super) fn is_true(&mut self, host: &mut dyn Host, condition: &Expression) -> Outcome<bool> {
+    pub(super) fn is_true(&mut self, host: &mut dyn InterpreterHost, condition: &Expression) -> Outcome<bool> {
         Ok(number(&self.evaluate(host, condition)?)? != 0.0)
     }
 
     /// A whole number, rounded.
-    pub(super) fn whole_number(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<i64> {
+    pub(super) fn whole_number(&mut self, host: &mut dyn InterpreterHost, expression: &Expression) -> Outcome<i64> {
         let value = number(&self.evaluate(host, expression)?)?.round();
         if value.abs() > 1e15 { wrong_type(format!("{value:e} is out of range")) } else { Ok(value as i64) }
     }
 
     /// Value of an argument; none if it was left out.
-    pub(super) fn argument(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Option<Data>> {
+    pub(super) fn argument(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        argument: &SiemensArgument,
+    ) -> Outcome<Option<Data>> {
         match &argument.value {
             Ok(None) => Ok(None),
             Ok(Some(expression)) => self.evaluate(host, expression).map(Some),
@@ -88,7 +92,7 @@ impl Siemens {
     }
 
     /// Value of a name.
-    pub(super) fn read(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Data> {
+    pub(super) fn read(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<Data> {
         if let Some(number) = name.parameter() {
             return Ok(Data::Real(self.variables.parameter(number)));
         }
@@ -98,19 +102,19 @@ impl Siemens {
                 return self.tool_number(host, &asked);
             }
             return match self.ask(host, &asked, None)? {
-                Answer::Instead(text) => {
+                IdentificationAnswer::Instead(text) => {
                     let value = self.instead(host, &text)?;
                     self.worn(host, name, value)
                 }
-                Answer::Drop => Ok(Data::Int(0)),
-                Answer::Keep => Ok(Data::Axis(asked)),
-                Answer::Unknown => match self.system(host, name)? {
+                IdentificationAnswer::Drop => Ok(Data::Int(0)),
+                IdentificationAnswer::Keep => Ok(Data::Axis(asked)),
+                IdentificationAnswer::Unknown => match self.system(host, name)? {
                     Some(value) => Ok(value),
                     None => Err(unknown(&asked)),
                 },
             };
         }
-        if let Some(value) = self.variables.scalar(name) {
+        if let Some(value) = self.variables.scalar(&name.name).filter(|_| name.index.is_empty()) {
             return Ok(value.clone());
         }
         if let Some(number) = self.r_parameter(host, name)? {
@@ -134,10 +138,10 @@ impl Siemens {
         }
         let asked = self.written(host, name)?;
         match self.ask(host, &asked, None)? {
-            Answer::Instead(text) => self.instead(host, &text),
-            Answer::Drop => Ok(Data::Int(0)),
-            Answer::Keep => Ok(Data::Axis(asked)),
-            Answer::Unknown => match MACHINING.iter().find(|(text, _)| *text == asked) {
+            IdentificationAnswer::Instead(text) => self.instead(host, &text),
+            IdentificationAnswer::Drop => Ok(Data::Int(0)),
+            IdentificationAnswer::Keep => Ok(Data::Axis(asked)),
+            IdentificationAnswer::Unknown => match MACHINING.iter().find(|(text, _)| *text == asked) {
                 Some((_, value)) => Ok(Data::Int(*value)),
                 None => Err(unknown(&asked)),
             },
@@ -145,10 +149,10 @@ impl Siemens {
     }
 
     /// `$P_TOOLNAME["NAME"]`: the number that the program has given to the name, or that of the tables of tools, or a new one.
-    fn tool_number(&mut self, host: &mut dyn Host, asked: &str) -> Outcome<Data> {
+    fn tool_number(&mut self, host: &mut dyn InterpreterHost, asked: &str) -> Outcome<Data> {
         let called = asked.split('"').nth(1).unwrap_or_default();
         let value = match self.ask(host, asked, None)? {
-            Answer::Instead(text) => self.instead(host, &text)?,
+            IdentificationAnswer::Instead(text) => self.instead(host, &text)?,
             _ => match host.tool_number(called) {
                 Some(number) => Data::Int(number.into()),
                 None => return Err(unknown(asked)),
@@ -161,7 +165,7 @@ impl Siemens {
     }
 
     /// `AX[…]`: the axis that a variable names.
-    pub(super) fn axis_of(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Data> {
+    pub(super) fn axis_of(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<Data> {
         let Some(index) = name.index.first() else { return syntax("AX needs an axis") };
         match self.evaluate(host, index)? {
             Data::Axis(axis) => Ok(Data::Axis(axis)),
@@ -172,15 +176,15 @@ impl Siemens {
     /// Asks the identification macro, if that may be asked now.
     pub(super) fn ask(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         text: &str,
-        assigned: Option<&counterpoint_lang::value::Value>,
-    ) -> Outcome<Answer> {
-        if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?.unless(text)) }
+        assigned: Option<&counterpoint_lang::value::MacroValue>,
+    ) -> Outcome<IdentificationAnswer> {
+        if self.quiet { Ok(IdentificationAnswer::Unknown) } else { Ok(host.identify(text, assigned)?.unless(text)) }
     }
 
     /// Text that a macro gives in place of a text; the macro is not asked about the content of its answer.
-    pub(super) fn instead(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Data> {
+    pub(super) fn instead(&mut self, host: &mut dyn InterpreterHost, text: &str) -> Outcome<Data> {
         let expression = whole(text).or_else(syntax)?;
         let before = std::mem::replace(&mut self.quiet, true);
         let value = self.evaluate(host, &expression);
@@ -189,7 +193,7 @@ impl Siemens {
     }
 
     /// A name with the values of its indices, as macros and texts see it.
-    pub(super) fn written(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<String> {
+    pub(super) fn written(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<String> {
         if name.index.is_empty() {
             return Ok(name.name.clone());
         }
@@ -212,7 +216,7 @@ impl Siemens {
         Ok(format!("{}[{}]", name.name, texts.join(",")))
     }
 
-    fn function(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<Data> {
+    fn function(&mut self, host: &mut dyn InterpreterHost, name: &str, arguments: &[SiemensArgument]) -> Outcome<Data> {
         if let Some(value) = self.frame_function(host, name, arguments)? {
             return Ok(value);
         }
@@ -220,10 +224,12 @@ impl Siemens {
             let texts: Vec<&str> = arguments.iter().map(|argument| argument.text.as_str()).collect();
             let asked = format!("{name}({})", texts.join(","));
             return match self.ask(host, &asked, None)? {
-                Answer::Instead(text) => self.instead(host, &text),
-                Answer::Drop => Ok(Data::Int(0)),
-                Answer::Keep => Ok(Data::Axis(asked)),
-                Answer::Unknown => Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("function {name} does not exist"))),
+                IdentificationAnswer::Instead(text) => self.instead(host, &text),
+                IdentificationAnswer::Drop => Ok(Data::Int(0)),
+                IdentificationAnswer::Keep => Ok(Data::Axis(asked)),
+                IdentificationAnswer::Unknown => {
+                    Err(SiemensBlockError::Alarm(&diag::MACRO_VARIABLE, format!("function {name} does not exist")))
+                }
             };
         }
         let mut values = Vec::new();
@@ -263,12 +269,12 @@ const MACHINING: [(&str, i64); 10] = [
 ];
 
 /// Whether a register or an axis has this name.
-pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
+pub(super) fn words_name(host: &dyn InterpreterHost, name: &str) -> bool {
     host.is_register(name) || host.is_register(&format!("{name}=")) || host.axis_letter(name).is_some()
 }
 
-fn unknown(name: &str) -> Fault {
-    Fault::Alarm(&diag::MACRO_VARIABLE, format!("variable {name} does not exist"))
+fn unknown(name: &str) -> SiemensBlockError {
+    SiemensBlockError::Alarm(&diag::MACRO_VARIABLE, format!("variable {name} does not exist"))
 }
 
 pub(super) fn bits(value: &Data) -> Outcome<i32> {
@@ -280,8 +286,8 @@ pub(super) fn bits(value: &Data) -> Outcome<i32> {
     }
 }
 
-fn binary(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
-    use Operator as B;
+fn binary(operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {
+    use NumericOperator as B;
     match operator {
         B::Join => {
             let text = left.text() + &right.text();
@@ -309,14 +315,14 @@ fn binary(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
     }
 }
 
-fn calculate(operator: Operator, left: &Data, right: &Data) -> Outcome<Data> {
+fn calculate(operator: NumericOperator, left: &Data, right: &Data) -> Outcome<Data> {
     if let (Data::Int(a), Data::Int(b)) = (left, right) {
         let exact = match operator {
-            Operator::Add => a.checked_add(*b),
-            Operator::Sub => a.checked_sub(*b),
-            Operator::Mul => a.checked_mul(*b),
-            Operator::WholeDiv => a.checked_div(*b),
-            Operator::Rem => a.checked_rem(*b),
+            NumericOperator::Add => a.checked_add(*b),
+            NumericOperator::Sub => a.checked_sub(*b),
+            NumericOperator::Mul => a.checked_mul(*b),
+            NumericOperator::WholeDiv => a.checked_div(*b),
+            NumericOperator::Rem => a.checked_rem(*b),
             _ => None,
         };
         if let Some(value) = exact {
@@ -325,7 +331,7 @@ fn calculate(operator: Operator, left: &Data, right: &Data) -> Outcome<Data> {
     }
     match operator.value(number(left)?, number(right)?) {
         Some(value) => real(value),
-        None => Err(Fault::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
+        None => Err(SiemensBlockError::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
     }
 }
 
@@ -334,7 +340,7 @@ pub(super) fn same(left: f64, right: f64) -> bool {
     left == right || (left - right).abs() <= 1e-12 * left.abs().max(right.abs())
 }
 
-fn compare(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
+fn compare(operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {
     use std::cmp::Ordering;
     let order = match (&left, &right) {
         (Data::Text(a) | Data::Axis(a), Data::Text(b) | Data::Axis(b)) => Some(a.cmp(b)),
@@ -348,15 +354,15 @@ fn compare(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
     };
     let Some(order) = order else { return wrong_type("values cannot be compared") };
     let no_order = matches!(left, Data::Axis(_) | Data::Frame(_));
-    if no_order && !matches!(operator, Operator::Eq | Operator::Ne) {
+    if no_order && !matches!(operator, NumericOperator::Eq | NumericOperator::Ne) {
         return wrong_type(format!("{} has no order", left.described()));
     }
     Ok(Data::Bool(match operator {
-        Operator::Eq => order.is_eq(),
-        Operator::Ne => order.is_ne(),
-        Operator::Lt => order.is_lt(),
-        Operator::Le => order.is_le(),
-        Operator::Gt => order.is_gt(),
+        NumericOperator::Eq => order.is_eq(),
+        NumericOperator::Ne => order.is_ne(),
+        NumericOperator::Lt => order.is_lt(),
+        NumericOperator::Le => order.is_le(),
+        NumericOperator::Gt => order.is_gt(),
         _ => order.is_ge(),
     }))
 }

@@ -5,12 +5,12 @@
 //! comparison without parentheses is a mistake. Invariant: expressions are bounded in depth, so that their evaluation
 //! is too.
 
-use super::cursor::{Cursor, split_list};
+use super::cursor::{SiemensCursor, split_list};
 use super::functions;
 use super::value::Data;
 use super::variables::MOST_PARAMETERS;
-use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
-use crate::numeric::Operator;
+use crate::expression::{self, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read};
+use crate::numeric::NumericOperator;
 
 /// Deepest nesting of parentheses, brackets and arguments.
 const DEEPEST: usize = 24;
@@ -19,34 +19,34 @@ const MOST_OPERATORS: usize = 200;
 
 /// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Own {
+pub(super) enum SiemensOp {
     /// A variable, an axis, a system variable.
-    Name(Name),
+    Name(IndexedName),
     /// A function by its name, with its arguments.
-    Call(String, Vec<Argument>),
+    Call(String, Vec<SiemensArgument>),
 }
 
-pub(super) type Op = expression::Op<Data, Own>;
+pub(super) type Op = expression::ExpressionOp<Data, SiemensOp>;
 
 /// An expression.
-pub(super) type Expression = Code<Data, Own>;
+pub(super) type Expression = CompiledExpression<Data, SiemensOp>;
 
 /// The name that an expression consists of.
-pub(super) fn as_name(expression: &Expression) -> Option<&Name> {
+pub(super) fn as_name(expression: &Expression) -> Option<&IndexedName> {
     match expression.as_own() {
-        Some(Own::Name(name)) => Some(name),
+        Some(SiemensOp::Name(name)) => Some(name),
         _ => None,
     }
 }
 
 /// A name in capital letters with its indices; `R5` is `R` with the index 5.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Name {
+pub(super) struct IndexedName {
     pub(super) name: String,
     pub(super) index: Vec<Expression>,
 }
 
-impl Name {
+impl IndexedName {
     /// Number of the R parameter that it is, as written.
     #[inline]
     pub(super) fn parameter(&self) -> Option<u32> {
@@ -62,7 +62,7 @@ impl Name {
 
 /// An argument as it is written, and as an expression if it is one; both empty if it was left out.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Argument {
+pub(super) struct SiemensArgument {
     pub(super) text: String,
     pub(super) value: Result<Option<Expression>, String>,
 }
@@ -71,73 +71,77 @@ pub(super) struct Argument {
 const COMPARISONS: usize = 0;
 
 /// Reads expressions from a text.
-struct Reader<'c, 'a> {
-    cursor: &'c mut Cursor<'a>,
+struct SiemensExpressionReader<'c, 'a> {
+    cursor: &'c mut SiemensCursor<'a>,
     ops: Vec<Op>,
 }
 
 /// Reads an expression.
-pub(super) fn expression(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
+pub(super) fn expression(cursor: &mut SiemensCursor<'_>) -> Result<Expression, String> {
     cursor.operators = 0;
     part(cursor)
 }
 
 /// Reads an expression that is a part of another one.
-fn part(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
+fn part(cursor: &mut SiemensCursor<'_>) -> Result<Expression, String> {
     let depth = cursor.depth;
-    let mut reader = Reader { cursor, ops: Vec::new() };
+    let mut reader = SiemensExpressionReader { cursor, ops: Vec::new() };
     let done = read(&mut reader, 0);
     let ops = reader.ops;
     cursor.depth = depth;
-    done.map(|_| Code::new(ops))
+    done.map(|_| CompiledExpression::new(ops))
 }
 
 /// Reads a text that has to be one expression.
 pub(super) fn whole(text: &str) -> Result<Expression, String> {
-    let mut cursor = Cursor::new(text);
+    let mut cursor = SiemensCursor::new(text);
     let read = expression(&mut cursor)?;
     cursor.blanks();
     if cursor.is_at_end() { Ok(read) } else { Err(unexpected(&cursor)) }
 }
 
 /// The error at the cursor.
-pub(super) fn unexpected(cursor: &Cursor<'_>) -> String {
+pub(super) fn unexpected(cursor: &SiemensCursor<'_>) -> String {
     let rest: String = cursor.rest().trim_start().chars().take(20).collect();
     if rest.is_empty() { "the block ends too early".to_owned() } else { format!("unexpected '{rest}'") }
 }
 
-impl Grammar for Reader<'_, '_> {
+impl Grammar for SiemensExpressionReader<'_, '_> {
     type Value = Data;
-    type Own = Own;
+    type Own = SiemensOp;
     type Mistake = String;
 
     const OPERATORS: Operators = &[
         &[
-            ("==", Operator::Eq),
-            ("<>", Operator::Ne),
-            ("<=", Operator::Le),
-            (">=", Operator::Ge),
-            ("<", Operator::Lt),
-            (">", Operator::Gt),
+            ("==", NumericOperator::Eq),
+            ("<>", NumericOperator::Ne),
+            ("<=", NumericOperator::Le),
+            (">=", NumericOperator::Ge),
+            ("<", NumericOperator::Lt),
+            (">", NumericOperator::Gt),
         ],
-        &[("<<", Operator::Join)],
-        &[("OR", Operator::Or)],
-        &[("XOR", Operator::Xor)],
-        &[("AND", Operator::And)],
-        &[("B_OR", Operator::BitOr)],
-        &[("B_XOR", Operator::BitXor)],
-        &[("B_AND", Operator::BitAnd)],
-        &[("+", Operator::Add), ("-", Operator::Sub)],
+        &[("<<", NumericOperator::Join)],
+        &[("OR", NumericOperator::Or)],
+        &[("XOR", NumericOperator::Xor)],
+        &[("AND", NumericOperator::And)],
+        &[("B_OR", NumericOperator::BitOr)],
+        &[("B_XOR", NumericOperator::BitXor)],
+        &[("B_AND", NumericOperator::BitAnd)],
+        &[("+", NumericOperator::Add), ("-", NumericOperator::Sub)],
         &[
-            ("*", Operator::Mul),
-            ("/", Operator::Div),
-            ("DIV", Operator::WholeDiv),
-            ("MOD", Operator::Rem),
-            (":", Operator::Chain),
+            ("*", NumericOperator::Mul),
+            ("/", NumericOperator::Div),
+            ("DIV", NumericOperator::WholeDiv),
+            ("MOD", NumericOperator::Rem),
+            (":", NumericOperator::Chain),
         ],
     ];
-    const SIGNS: &'static [(&'static str, Sign)] =
-        &[("-", Sign::Minus), ("NOT", Sign::Not), ("B_NOT", Sign::NotBits), ("+", Sign::Plus)];
+    const SIGNS: &'static [(&'static str, PrefixOperator)] = &[
+        ("-", PrefixOperator::Minus),
+        ("NOT", PrefixOperator::Not),
+        ("B_NOT", PrefixOperator::NotBits),
+        ("+", PrefixOperator::Plus),
+    ];
 
     fn ops(&mut self) -> &mut Vec<Op> {
         &mut self.ops
@@ -161,10 +165,10 @@ impl Grammar for Reader<'_, '_> {
         takes
     }
 
-    fn operand(&mut self) -> Result<Part, String> {
+    fn operand(&mut self) -> Result<ExpressionPart, String> {
         let start = self.ops.len();
         self.primary()?;
-        Ok(Part { start, truth: false })
+        Ok(ExpressionPart { start, truth: false })
     }
 
     fn negated(value: &Data) -> Option<Data> {
@@ -199,7 +203,7 @@ impl Grammar for Reader<'_, '_> {
     }
 }
 
-impl Reader<'_, '_> {
+impl SiemensExpressionReader<'_, '_> {
     fn primary(&mut self) -> Result<(), String> {
         let cursor = &mut *self.cursor;
         cursor.blanks();
@@ -246,14 +250,14 @@ impl Reader<'_, '_> {
             _ if self.cursor.byte(0) == b'(' => {
                 let mut arguments = arguments(self.cursor)?;
                 match (functions::of_one(name), arguments.as_mut_slice()) {
-                    (Some(function), [Argument { value: Ok(value), .. }]) if value.is_some() => {
-                        self.ops.extend(value.take().into_iter().flat_map(Code::into_ops));
+                    (Some(function), [SiemensArgument { value: Ok(value), .. }]) if value.is_some() => {
+                        self.ops.extend(value.take().into_iter().flat_map(CompiledExpression::into_ops));
                         Op::Apply(function)
                     }
-                    _ => Op::Own(Own::Call(name.to_owned(), arguments)),
+                    _ => Op::Own(SiemensOp::Call(name.to_owned(), arguments)),
                 }
             }
-            _ => Op::Own(Own::Name(indexed(self.cursor, name)?)),
+            _ => Op::Own(SiemensOp::Name(indexed(self.cursor, name)?)),
         };
         self.ops.push(op);
         Ok(())
@@ -265,7 +269,7 @@ fn too_deep() -> String {
 }
 
 /// `'HFF'`, `'B0101'`, `'D12'`, or a character.
-fn constant(cursor: &mut Cursor<'_>) -> Result<Data, String> {
+fn constant(cursor: &mut SiemensCursor<'_>) -> Result<Data, String> {
     let inner = cursor.rest().get(1..).and_then(|rest| rest.split_once('\'')).map(|(inner, _)| inner);
     let Some(inner) = inner else { return Err("a constant in ' ' is not closed".to_owned()) };
     for _ in 0..inner.chars().count() + 2 {
@@ -287,7 +291,7 @@ fn constant(cursor: &mut Cursor<'_>) -> Result<Data, String> {
     }
 }
 
-fn number(cursor: &mut Cursor<'_>) -> Result<Data, String> {
+fn number(cursor: &mut SiemensCursor<'_>) -> Result<Data, String> {
     let Some((text, point)) = cursor.decimal() else { return Err(unexpected(cursor)) };
     if cursor.byte(0).eq_ignore_ascii_case(&b'E') && cursor.byte(1).eq_ignore_ascii_case(&b'X') {
         let from = cursor.at();
@@ -327,9 +331,9 @@ pub(super) fn parameter(name: &str) -> Option<i64> {
 }
 
 /// Indices after a name in capital letters.
-pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, String> {
+pub(super) fn indexed(cursor: &mut SiemensCursor<'_>, name: &str) -> Result<IndexedName, String> {
     if let Some(number) = parameter(name) {
-        return Ok(Name { name: "R".to_owned(), index: vec![Expression::constant(Data::Int(number))] });
+        return Ok(IndexedName { name: "R".to_owned(), index: vec![Expression::constant(Data::Int(number))] });
     }
     let name = if name == "$R" { "R" } else { name };
     let mut index = Vec::new();
@@ -353,11 +357,11 @@ pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, Strin
             return Err("too many indices".to_owned());
         }
     }
-    Ok(Name { name: name.to_owned(), index })
+    Ok(IndexedName { name: name.to_owned(), index })
 }
 
 /// Arguments in parentheses.
-pub(super) fn arguments(cursor: &mut Cursor<'_>) -> Result<Vec<Argument>, String> {
+pub(super) fn arguments(cursor: &mut SiemensCursor<'_>) -> Result<Vec<SiemensArgument>, String> {
     if cursor.depth >= DEEPEST {
         return Err(too_deep());
     }
@@ -368,7 +372,7 @@ pub(super) fn arguments(cursor: &mut Cursor<'_>) -> Result<Vec<Argument>, String
     Ok(split_list(inner).into_iter().map(|text| argument(cursor, text)).collect())
 }
 
-fn argument(cursor: &Cursor<'_>, text: &str) -> Argument {
+fn argument(cursor: &SiemensCursor<'_>, text: &str) -> SiemensArgument {
     let mut inner = cursor.inside(text);
     let value = if text.is_empty() {
         Ok(None)
@@ -378,5 +382,5 @@ fn argument(cursor: &Cursor<'_>, text: &str) -> Argument {
             if inner.is_at_end() { Ok(Some(read)) } else { Err(unexpected(&inner)) }
         })
     };
-    Argument { text: text.to_owned(), value }
+    SiemensArgument { text: text.to_owned(), value }
 }

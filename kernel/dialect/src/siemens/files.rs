@@ -5,15 +5,15 @@
 //! control's names; then the programs of the calling file and of the main file (`%_N_NAME_SPF`). Invariant: letter case
 //! never counts, and of several files the first by its number is taken.
 
-use super::cursor::Cursor;
+use super::cursor::SiemensCursor;
 use super::jumps::bare;
-use super::line::{Item, head, read};
-use super::{Fault, Outcome, Siemens};
-use crate::host::{Host, Programs};
+use super::line::{SiemensItem, head, read};
+use super::{Outcome, Siemens, SiemensBlockError};
+use crate::host::{InterpreterHost, ProgramHost};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Folders of the control in which subprograms are searched for, in this order.
 const FOLDERS: [&str; 5] = ["spf.dir", "cus.dir", "cma.dir", "cst.dir", "sub.dir"];
@@ -47,7 +47,11 @@ fn split(path: &str) -> (&str, &str) {
 
 impl Siemens {
     /// A subprogram by its name, found once for each file that calls.
-    pub(super) fn program(&mut self, host: &mut dyn Programs, name: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn program(
+        &mut self,
+        host: &mut dyn ProgramHost,
+        name: &str,
+    ) -> Outcome<Option<(FileId, ProgramRange)>> {
         let key = (host.place().file, name.to_owned());
         if let Some(found) = self.found.get(&key) {
             return Ok(*found);
@@ -71,7 +75,11 @@ impl Siemens {
     }
 
     /// A subprogram by a path of the control.
-    pub(super) fn program_by_path(&mut self, host: &mut dyn Programs, path: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn program_by_path(
+        &mut self,
+        host: &mut dyn ProgramHost,
+        path: &str,
+    ) -> Outcome<Option<(FileId, ProgramRange)>> {
         let wanted = file_path(path);
         let (folder, name) = split(&wanted);
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
@@ -90,7 +98,7 @@ impl Siemens {
     }
 
     /// A file that ends with a path.
-    fn by_path(&self, host: &dyn Programs, wanted: &str) -> Option<FileId> {
+    fn by_path(&self, host: &dyn ProgramHost, wanted: &str) -> Option<FileId> {
         let root = file_path(&self.settings.root);
         let names = [wanted.to_owned(), format!("{wanted}.spf"), format!("{wanted}.mpf")];
         let rank = |file: &String| {
@@ -104,17 +112,17 @@ impl Siemens {
     }
 
     /// The control has such a file.
-    pub(super) fn has_file(&mut self, host: &mut dyn Host, path: &str) -> Outcome<bool> {
+    pub(super) fn has_file(&mut self, host: &mut dyn InterpreterHost, path: &str) -> Outcome<bool> {
         let written = self.has_record(host, path)?;
         Ok(written.unwrap_or_else(|| self.file_by_path(host, path).is_some()))
     }
 
     /// A file by a path of the control.
-    pub(super) fn file_by_path(&self, host: &dyn Host, path: &str) -> Option<FileId> {
+    pub(super) fn file_by_path(&self, host: &dyn InterpreterHost, path: &str) -> Option<FileId> {
         self.by_path(host, &file_path(path))
     }
 
-    fn program_file(&self, host: &dyn Programs, name: &str) -> Option<FileId> {
+    fn program_file(&self, host: &dyn ProgramHost, name: &str) -> Option<FileId> {
         let wanted = name.to_ascii_lowercase();
         let files = host.files();
         let folder_of =
@@ -151,14 +159,14 @@ impl Siemens {
     /// A program in a file; with `whole` the file itself, where it has no program of that name.
     fn in_file(
         &mut self,
-        host: &mut dyn Programs,
+        host: &mut dyn ProgramHost,
         file: FileId,
         name: &str,
         whole: bool,
-    ) -> Outcome<Option<(FileId, Range)>> {
+    ) -> Outcome<Option<(FileId, ProgramRange)>> {
         host.load(file)?;
         let places = self.places(host, file);
-        let range = |first, last| Some((file, Range { number: None, first, last }));
+        let range = |first, last| Some((file, ProgramRange { number: None, first, last }));
         if let Some((_, first, last)) = places.programs.iter().find(|(program, ..)| program == name) {
             return Ok(range(*first, *last));
         }
@@ -168,7 +176,7 @@ impl Siemens {
     }
 
     /// Reads the definition files that a macro has requested.
-    pub(super) fn definition_files(&mut self, host: &mut dyn Host) -> Outcome<()> {
+    pub(super) fn definition_files(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
         let asked = std::mem::take(&mut self.settings.definitions);
         if asked.is_empty() {
             return Ok(());
@@ -194,14 +202,14 @@ impl Siemens {
 
     /// Definitions of the channel and of the control; other lines of the file are ignored. A line that cannot be
     /// executed is reported with its place, and the lines after it count.
-    fn definition_file(&mut self, host: &mut dyn Host, file: FileId) -> Outcome<()> {
+    fn definition_file(&mut self, host: &mut dyn InterpreterHost, file: FileId) -> Outcome<()> {
         host.load(file)?;
         let Some(source) = host.source(file) else { return Ok(()) };
         let before = std::mem::replace(&mut self.settings.global, true);
         let mut done = Ok(());
         for line in source.walk(1, source.lines()) {
             let text = String::from_utf8_lossy(source.line(line)).into_owned();
-            let mut cursor = Cursor::new(bare(&text));
+            let mut cursor = SiemensCursor::new(bare(&text));
             head(&mut cursor);
             let word = cursor.peeked_name().unwrap_or_default().to_ascii_uppercase();
             if !matches!(word.as_str(), "DEF" | "REDEF" | "DEFINE") {
@@ -214,12 +222,12 @@ impl Siemens {
                 Err(text) => super::syntax(text),
             };
             match done {
-                Err(Fault::Alarm(_, why)) => {
+                Err(SiemensBlockError::Alarm(_, why)) => {
                     let text = format!("{why}: '{}' in line {line} of {} is left out", text.trim(), source.name);
                     host.diagnose(&diag::SIEMENS_DEFINITION_LINE, text);
                     done = Ok(());
                 }
-                Err(Fault::Halt(_)) => break,
+                Err(SiemensBlockError::Halt(_)) => break,
                 Ok(()) => {}
             }
         }
@@ -228,11 +236,11 @@ impl Siemens {
         done
     }
 
-    fn definition(&mut self, host: &mut dyn Host, item: &Item) -> Outcome<()> {
+    fn definition(&mut self, host: &mut dyn InterpreterHost, item: &SiemensItem) -> Outcome<()> {
         match item {
-            Item::Declare(declaration) => self.declare(host, declaration, false),
-            Item::Redeclare(declaration) => self.declare(host, declaration, true),
-            Item::Define(name, text) => {
+            SiemensItem::Declare(declaration) => self.declare(host, declaration, false),
+            SiemensItem::Redeclare(declaration) => self.declare(host, declaration, true),
+            SiemensItem::Define(name, text) => {
                 self.define(name, text);
                 Ok(())
             }
@@ -242,7 +250,7 @@ impl Siemens {
 }
 
 /// The file with the lowest rank, the first of several.
-fn best(host: &dyn Programs, rank: impl Fn(&String) -> Option<usize>) -> Option<FileId> {
+fn best(host: &dyn ProgramHost, rank: impl Fn(&String) -> Option<usize>) -> Option<FileId> {
     let files = host.files();
     let ranked = files.iter().enumerate().filter_map(|(at, file)| Some((rank(file)?, at)));
     ranked.min().and_then(|(_, at)| FileId::try_from(at).ok())

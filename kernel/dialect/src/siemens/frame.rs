@@ -4,7 +4,7 @@
 //! outside of its right side. A frame is given as translation, then rotations about Z, the turned Y and the turned X,
 //! then scale and mirror. Invariant: all numbers are finite.
 
-use super::beside::Beside;
+use super::beside::AxisFrames;
 use crate::numeric::is_multiple;
 
 /// Places of X, Y and Z.
@@ -17,17 +17,17 @@ const NOTHING: f64 = 1e-9;
 
 /// A frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct SiemensFrame {
     linear: [[f64; 3]; 3],
     shift: [f64; 3],
     fine: [f64; 3],
     mirrored: [bool; 3],
-    beside: Beside,
+    beside: AxisFrames,
 }
 
 /// A part of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum FrameComponent {
     Translation,
     Fine,
     Rotation,
@@ -37,7 +37,7 @@ pub(super) enum Part {
 
 /// The parts of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parts {
+pub(super) struct FrameComponents {
     pub(super) shift: [f64; 3],
     pub(super) fine: [f64; 3],
     /// About X, Y, Z; Z turns first.
@@ -45,22 +45,22 @@ pub(super) struct Parts {
     pub(super) scale: [f64; 3],
     pub(super) mirror: [bool; 3],
     /// Along other axes.
-    pub(super) beside: Beside,
+    pub(super) beside: AxisFrames,
 }
 
-impl Default for Frame {
+impl Default for SiemensFrame {
     fn default() -> Self {
         Self {
             linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             shift: [0.0; 3],
             fine: [0.0; 3],
             mirrored: [false; 3],
-            beside: Beside::default(),
+            beside: AxisFrames::default(),
         }
     }
 }
 
-impl Default for Parts {
+impl Default for FrameComponents {
     fn default() -> Self {
         Self {
             shift: [0.0; 3],
@@ -68,12 +68,12 @@ impl Default for Parts {
             angles: [0.0; 3],
             scale: [1.0; 3],
             mirror: [false; 3],
-            beside: Beside::default(),
+            beside: AxisFrames::default(),
         }
     }
 }
 
-impl Part {
+impl FrameComponent {
     /// By its name in an index.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
@@ -131,9 +131,9 @@ fn about(axis: usize, degrees: f64) -> [[f64; 3]; 3] {
     }
 }
 
-impl Parts {
+impl FrameComponents {
     /// The frame that they make; none if it is out of all bounds.
-    pub(super) fn frame(&self) -> Option<Frame> {
+    pub(super) fn frame(&self) -> Option<SiemensFrame> {
         let [x, y, z] = self.angles;
         let mut linear = product(&product(&about(2, z), &about(1, y)), &about(0, x));
         for row in &mut linear {
@@ -141,35 +141,36 @@ impl Parts {
                 *slot *= if mirror { -scale } else { scale };
             }
         }
-        Frame { linear, shift: self.shift, fine: self.fine, mirrored: self.mirror, beside: self.beside }.checked()
+        SiemensFrame { linear, shift: self.shift, fine: self.fine, mirrored: self.mirror, beside: self.beside }
+            .checked()
     }
 
     /// Number of a part along an axis: 0 to 2 are X, Y and Z, from 3 on the axes of the channel follow.
-    pub(super) fn get(&self, axis: usize, part: Part) -> f64 {
+    pub(super) fn get(&self, axis: usize, part: FrameComponent) -> f64 {
         if let Some(other) = axis.checked_sub(SPACE) {
             return self.beside.get(other, part);
         }
         let of = |numbers: [f64; 3]| numbers.get(axis).copied().unwrap_or(0.0);
         match part {
-            Part::Translation => of(self.shift),
-            Part::Fine => of(self.fine),
-            Part::Rotation => of(self.angles),
-            Part::Scale => of(self.scale),
-            Part::Mirror => of(self.mirror.map(|on| f64::from(u8::from(on)))),
+            FrameComponent::Translation => of(self.shift),
+            FrameComponent::Fine => of(self.fine),
+            FrameComponent::Rotation => of(self.angles),
+            FrameComponent::Scale => of(self.scale),
+            FrameComponent::Mirror => of(self.mirror.map(|on| f64::from(u8::from(on)))),
         }
     }
 
     /// Sets a part along an axis.
-    pub(super) fn set(&mut self, axis: usize, part: Part, value: f64) {
+    pub(super) fn set(&mut self, axis: usize, part: FrameComponent, value: f64) {
         if let Some(other) = axis.checked_sub(SPACE) {
             return self.beside.set(other, part, value);
         }
         let numbers = match part {
-            Part::Translation => &mut self.shift,
-            Part::Fine => &mut self.fine,
-            Part::Rotation => &mut self.angles,
-            Part::Scale => &mut self.scale,
-            Part::Mirror => {
+            FrameComponent::Translation => &mut self.shift,
+            FrameComponent::Fine => &mut self.fine,
+            FrameComponent::Rotation => &mut self.angles,
+            FrameComponent::Scale => &mut self.scale,
+            FrameComponent::Mirror => {
                 if let Some(slot) = self.mirror.get_mut(axis) {
                     *slot = value != 0.0;
                 }
@@ -182,7 +183,7 @@ impl Parts {
     }
 }
 
-impl Frame {
+impl SiemensFrame {
     fn checked(self) -> Option<Self> {
         let sound = |value: &f64| value.abs() <= BOUND;
         let all = self.linear.iter().flatten().chain(&self.shift).chain(&self.fine);
@@ -218,7 +219,7 @@ impl Frame {
     }
 
     /// Its parts; none for a frame that is not a rotation of a scaled and mirrored one.
-    pub(super) fn parts(&self) -> Option<Parts> {
+    pub(super) fn parts(&self) -> Option<FrameComponents> {
         let column = |at: usize| self.linear.map(|row| row.get(at).copied().unwrap_or(0.0));
         let columns = [column(0), column(1), column(2)];
         let length = |column: [f64; 3]| column.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -252,7 +253,7 @@ impl Frame {
         } else {
             [degrees(r21, r22), degrees(-r20, libm::sqrt(r21 * r21 + r22 * r22)), degrees(r10, r00)]
         };
-        Some(Parts {
+        Some(FrameComponents {
             shift: self.shift.map(clean),
             fine: self.fine.map(clean),
             angles,
@@ -263,7 +264,7 @@ impl Frame {
     }
 
     /// The same frame with other parts along axes beside X, Y and Z.
-    pub(super) fn with_beside(self, beside: Beside) -> Self {
+    pub(super) fn with_beside(self, beside: AxisFrames) -> Self {
         Self { beside, ..self }
     }
 

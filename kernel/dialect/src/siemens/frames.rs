@@ -7,23 +7,23 @@
 
 use rustc_hash::FxHashMap;
 
-use super::beside::{Beside, Own};
-use super::expression::{Argument, Name};
-use super::frame::{Frame, Part, Parts, SPACE};
+use super::beside::{AxisFrame, AxisFrames};
+use super::expression::{IndexedName, SiemensArgument};
+use super::frame::{FrameComponent, FrameComponents, SPACE, SiemensFrame};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::host::{Host, NO_OFFSET};
+use crate::host::{InterpreterHost, NO_OFFSET};
 use counterpoint_fault as diag;
 
 /// Frames that were assigned but are not active, or not yet active.
 #[derive(Debug, Default)]
-pub(super) struct Assigned {
-    program: Frame,
+pub(super) struct AssignedFrames {
+    program: SiemensFrame,
     /// Settable frames that wait for their G function; where nothing is applied, all that were assigned.
-    settable: FxHashMap<u32, Frame>,
+    settable: FxHashMap<u32, SiemensFrame>,
 }
 
-impl Assigned {
+impl AssignedFrames {
     /// The settable frames of the program before stay.
     pub(super) fn keep(&mut self, before: Self) {
         self.settable = before.settable;
@@ -53,11 +53,11 @@ const MOST_SETTABLE: i64 = 99;
 const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
 
 /// X, Y or Z as 0, 1 or 2; from 3 on the axes of the channel, for parts that are not rotations.
-pub(super) fn place(host: &dyn Host, axis: &Data, part: Part) -> Outcome<usize> {
+pub(super) fn place(host: &dyn InterpreterHost, axis: &Data, part: FrameComponent) -> Outcome<usize> {
     let others = host.axes();
     let other = |name: &String| others.iter().position(|axis| axis.is(name) && !is_geometry(&axis.letter));
     match axis {
-        Data::Axis(name) if part != Part::Rotation => match other(name) {
+        Data::Axis(name) if part != FrameComponent::Rotation => match other(name) {
             Some(at) => Ok(SPACE + at),
             None => geometry(host, axis),
         },
@@ -70,7 +70,7 @@ fn is_geometry(letter: &str) -> bool {
 }
 
 /// X, Y or Z as 0, 1 or 2.
-fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
+fn geometry(host: &dyn InterpreterHost, axis: &Data) -> Outcome<usize> {
     if let Data::Axis(wanted) = axis {
         let is = |name: &&str| name.eq_ignore_ascii_case(wanted);
         let letter = host.axes().into_iter().find(|axis| axis.name.eq_ignore_ascii_case(wanted));
@@ -83,7 +83,7 @@ fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
     wrong_type(format!("{} is not a geometry axis", axis.described()))
 }
 
-fn parts(frame: &Frame) -> Outcome<Parts> {
+fn parts(frame: &SiemensFrame) -> Outcome<FrameComponents> {
     match frame.parts() {
         Some(parts) => Ok(parts),
         None => wrong_type("the frame has no translation, rotation and scaling as parts"),
@@ -91,12 +91,17 @@ fn parts(frame: &Frame) -> Outcome<Parts> {
 }
 
 /// A part of a frame along an axis.
-pub(super) fn part_of(frame: &Frame, axis: usize, part: Part) -> Outcome<f64> {
+pub(super) fn part_of(frame: &SiemensFrame, axis: usize, part: FrameComponent) -> Outcome<f64> {
     Ok(parts(frame)?.get(axis, part))
 }
 
 /// The frame with another value of a part.
-pub(super) fn with_part(frame: &Frame, axis: usize, part: Part, value: &Data) -> Outcome<Frame> {
+pub(super) fn with_part(
+    frame: &SiemensFrame,
+    axis: usize,
+    part: FrameComponent,
+    value: &Data,
+) -> Outcome<SiemensFrame> {
     let mut parts = parts(frame)?;
     parts.set(axis, part, super::evaluate::number(value)?);
     match parts.frame() {
@@ -109,24 +114,24 @@ impl Siemens {
     /// CTRANS, CFINE, CROT, CSCALE, CMIRROR; none for other functions.
     pub(super) fn frame_function(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        arguments: &[Argument],
+        arguments: &[SiemensArgument],
     ) -> Outcome<Option<Data>> {
         let part = match name {
-            "CTRANS" => Part::Translation,
-            "CFINE" => Part::Fine,
-            "CROT" => Part::Rotation,
-            "CSCALE" => Part::Scale,
-            "CMIRROR" => Part::Mirror,
+            "CTRANS" => FrameComponent::Translation,
+            "CFINE" => FrameComponent::Fine,
+            "CROT" => FrameComponent::Rotation,
+            "CSCALE" => FrameComponent::Scale,
+            "CMIRROR" => FrameComponent::Mirror,
             _ => return Ok(None),
         };
-        let mut made = Parts::default();
+        let mut made = FrameComponents::default();
         let mut arguments = arguments.iter();
         while let Some(argument) = arguments.next() {
             let Some(axis) = self.argument(host, argument)? else { return syntax(format!("{name} needs an axis")) };
             let axis = place(host, &axis, part)?;
-            if part == Part::Mirror {
+            if part == FrameComponent::Mirror {
                 made.set(axis, part, 1.0);
                 continue;
             }
@@ -144,7 +149,7 @@ impl Siemens {
     }
 
     /// A frame of the control by its name, and the number of a settable one; none if it is no such name.
-    fn frame_name(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<(u32, usize)>> {
+    fn frame_name(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<Option<(u32, usize)>> {
         let active = host.work_offset();
         Ok(match name.name.as_str() {
             "$P_PFRAME" => Some((u32::MAX, 0)),
@@ -163,7 +168,11 @@ impl Siemens {
     }
 
     /// A frame of the control, or a part of it.
-    pub(super) fn control_frame(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
+    pub(super) fn control_frame(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+    ) -> Outcome<Option<Data>> {
         let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
         let frame = self.current(host, number, name.name != "$P_UIFR");
         let rest = name.index.get(used..).unwrap_or_default();
@@ -175,7 +184,7 @@ impl Siemens {
     }
 
     /// Activates the settable frames of the block's G functions as they were assigned.
-    pub(super) fn activate_frames(&mut self, host: &mut dyn Host, words: &str) -> Outcome<()> {
+    pub(super) fn activate_frames(&mut self, host: &mut dyn InterpreterHost, words: &str) -> Outcome<()> {
         if !self.frames.wait() || !self.settings.applies_frames {
             return Ok(());
         }
@@ -189,7 +198,7 @@ impl Siemens {
     }
 
     /// Puts a settable frame into force.
-    fn apply(&self, host: &mut dyn Host, number: u32, frame: &Frame) {
+    fn apply(&self, host: &mut dyn InterpreterHost, number: u32, frame: &SiemensFrame) {
         if let Err(text) = offset(host, number, frame) {
             let text = format!("{text}, in '{}'", host.block_text());
             host.diagnose(&diag::SIEMENS_FRAME, text);
@@ -197,14 +206,14 @@ impl Siemens {
     }
 
     /// The value of a frame: for `$P_UIFR` the frame assigned last, for `$P_IFRAME` the active frame.
-    fn current(&self, host: &dyn Host, number: u32, active: bool) -> Frame {
+    fn current(&self, host: &dyn InterpreterHost, number: u32, active: bool) -> SiemensFrame {
         if number == u32::MAX {
             return if self.settings.applies_frames {
-                let mut beside = Beside::default();
+                let mut beside = AxisFrames::default();
                 for (at, axis) in host.axes().iter().enumerate() {
-                    beside.put(at, Own::of_line(axis.line));
+                    beside.put(at, AxisFrame::of_line(axis.line));
                 }
-                Frame::from_numbers(&host.local_frame()).unwrap_or_default().with_beside(beside)
+                SiemensFrame::from_numbers(&host.local_frame()).unwrap_or_default().with_beside(beside)
             } else {
                 self.frames.program
             };
@@ -212,13 +221,14 @@ impl Siemens {
         if let Some(kept) = self.frames.settable.get(&number).filter(|_| !active || !self.settings.applies_frames) {
             return *kept;
         }
-        let mut made = Parts::default();
+        let mut made = FrameComponents::default();
         if let Some(turn) = host.offset_turn(number) {
-            made.angles = Frame::turned(turn).and_then(|frame| frame.parts()).map_or([0.0; 3], |parts| parts.angles);
+            made.angles =
+                SiemensFrame::turned(turn).and_then(|frame| frame.parts()).map_or([0.0; 3], |parts| parts.angles);
         }
         for (place, (axis, value)) in host.axes().iter().zip(host.offset(number)).enumerate() {
             let at = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter));
-            made.set(at.unwrap_or(SPACE + place), Part::Translation, value);
+            made.set(at.unwrap_or(SPACE + place), FrameComponent::Translation, value);
         }
         made.frame().unwrap_or_default()
     }
@@ -226,8 +236,8 @@ impl Siemens {
     /// Assigns a frame of the control; the blocks that set it. None if it is no such name.
     pub(super) fn set_control_frame(
         &mut self,
-        host: &mut dyn Host,
-        name: &Name,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
         value: &Data,
     ) -> Outcome<Option<Vec<String>>> {
         let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
@@ -278,10 +288,11 @@ impl Siemens {
 }
 
 /// The reason if a work offset cannot be this frame.
-fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
+fn fits(host: &dyn InterpreterHost, frame: &SiemensFrame) -> Result<(), String> {
     let parts = frame.parts().unwrap_or_default();
-    let only = Parts { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..Parts::default() };
-    let same = |only: Frame| only.numbers().iter().zip(frame.numbers()).all(|(a, b)| (a - b).abs() < 1e-9);
+    let only =
+        FrameComponents { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..FrameComponents::default() };
+    let same = |only: SiemensFrame| only.numbers().iter().zip(frame.numbers()).all(|(a, b)| (a - b).abs() < 1e-9);
     if !only.frame().is_some_and(same) || !parts.beside.is_shift() {
         return Err(
             "a work offset of this machine can be translated and rotated, but not scaled or mirrored".to_owned()
@@ -290,18 +301,19 @@ fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
     let axes = host.axes();
     let missing = (0..3).zip(GEOMETRY).any(|(at, name)| {
         let there = axes.iter().any(|axis| axis.letter.eq_ignore_ascii_case(name));
-        !there && parts.get(at, Part::Translation) + parts.get(at, Part::Fine) != 0.0
+        !there && parts.get(at, FrameComponent::Translation) + parts.get(at, FrameComponent::Fine) != 0.0
     });
     if missing { Err("the frame moves an axis that the channel does not have".to_owned()) } else { Ok(()) }
 }
 
 /// Sets a work offset to a frame that is a translation and a rotation.
-fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String> {
+fn offset(host: &mut dyn InterpreterHost, number: u32, frame: &SiemensFrame) -> Result<(), String> {
     fits(host, frame)?;
     let parts = frame.parts().unwrap_or_default();
     let turned = parts.angles.iter().any(|angle| *angle != 0.0);
     let mut values = host.offset(number);
-    let mut rest: [f64; 3] = [0, 1, 2].map(|at| parts.get(at, Part::Translation) + parts.get(at, Part::Fine));
+    let mut rest: [f64; 3] =
+        [0, 1, 2].map(|at| parts.get(at, FrameComponent::Translation) + parts.get(at, FrameComponent::Fine));
     for (place, (axis, value)) in host.axes().iter().zip(&mut values).enumerate() {
         let at = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter));
         *value = match at.and_then(|at| rest.get_mut(at)) {
@@ -319,7 +331,7 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
 }
 
 /// Blocks that set the programmable frame.
-fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
+fn blocks(host: &dyn InterpreterHost, frame: &SiemensFrame) -> Result<Vec<String>, String> {
     let Some(parts) = frame.parts() else {
         return Err("the frame has no translation, rotation and scaling as parts, so the machine has no words for it"
             .to_owned());
@@ -339,7 +351,7 @@ fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
     };
     let mut shift = String::new();
     for (at, present) in present.into_iter().enumerate() {
-        let value = parts.get(at, Part::Translation) + parts.get(at, Part::Fine);
+        let value = parts.get(at, FrameComponent::Translation) + parts.get(at, FrameComponent::Fine);
         if present {
             shift.push(' ');
             shift.push_str(&named(at, value));
@@ -356,21 +368,23 @@ fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
     }
     let mut blocks = vec![word("TRANS", shift)?];
     for at in [2, 1, 0] {
-        let angle = parts.get(at, Part::Rotation);
+        let angle = parts.get(at, FrameComponent::Rotation);
         if angle != 0.0 {
             blocks.push(word("AROT", named(at, angle))?);
         }
     }
-    let changed = |part: Part, nothing: f64| {
+    let changed = |part: FrameComponent, nothing: f64| {
         let words = (0..3).filter(|at| parts.get(*at, part) != nothing);
-        let words = words.map(|at| named(at, if part == Part::Mirror { 0.0 } else { parts.get(at, part) }));
+        let words = words.map(|at| named(at, if part == FrameComponent::Mirror { 0.0 } else { parts.get(at, part) }));
         let beside = others.iter().filter_map(|(letter, own)| match part {
-            Part::Mirror => own.mirror.then(|| other(letter, 0.0)),
+            FrameComponent::Mirror => own.mirror.then(|| other(letter, 0.0)),
             _ => (own.scale != nothing).then(|| other(letter, own.scale)),
         });
         words.chain(beside).collect::<Vec<_>>()
     };
-    for (code, words) in [("ASCALE", changed(Part::Scale, 1.0)), ("AMIRROR", changed(Part::Mirror, 0.0))] {
+    for (code, words) in
+        [("ASCALE", changed(FrameComponent::Scale, 1.0)), ("AMIRROR", changed(FrameComponent::Mirror, 0.0))]
+    {
         if !words.is_empty() {
             blocks.push(word(code, words.join(" "))?);
         }

@@ -7,8 +7,8 @@
 use super::evaluate::{bits, number, real, same};
 use super::frame::{cosine, sine, turn};
 use super::value::Data;
-use super::{Fault, Outcome, syntax};
-use crate::numeric::{Function, Operator};
+use super::{Outcome, SiemensBlockError, syntax};
+use crate::numeric::{NumericFunction, NumericOperator};
 use counterpoint_fault as diag;
 
 /// Functions besides those of all controls, with the smallest and the largest number of arguments.
@@ -45,17 +45,17 @@ const FUNCTIONS: [(&str, usize, usize); 28] = [
 
 /// Whether the control has a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
-    Function::named(name).is_some() || FUNCTIONS.iter().any(|(function, ..)| *function == name)
+    NumericFunction::named(name).is_some() || FUNCTIONS.iter().any(|(function, ..)| *function == name)
 }
 
 fn domain<T>(text: String) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_DOMAIN, text))
+    Err(SiemensBlockError::Alarm(&diag::MACRO_DOMAIN, text))
 }
 
 /// Whether a function takes this many arguments.
 pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
     let known = FUNCTIONS.iter().find(|(function, ..)| *function == name);
-    match known.copied().or(Function::named(name).map(|_| ("", 1, 1))) {
+    match known.copied().or(NumericFunction::named(name).map(|_| ("", 1, 1))) {
         Some((_, least, most)) if !(least..=most).contains(&count) => {
             let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
             syntax(format!("{name} takes {wanted} arguments, not {count}"))
@@ -65,31 +65,33 @@ pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
 }
 
 /// The function of one number that a name means.
-pub(super) fn of_one(name: &str) -> Option<Function> {
+pub(super) fn of_one(name: &str) -> Option<NumericFunction> {
     Some(match name {
-        "POT" => Function::Square,
-        "TRUNC" => Function::Fix,
-        "ROUND" => Function::Round,
-        "ROUNDUP" => Function::Ceil,
-        name => return Function::named(name),
+        "POT" => NumericFunction::Square,
+        "TRUNC" => NumericFunction::Fix,
+        "ROUND" => NumericFunction::Round,
+        "ROUNDUP" => NumericFunction::Ceil,
+        name => return NumericFunction::named(name),
     })
 }
 
 /// Value of a function of one number, or of a sign.
-pub(super) fn apply(function: Function, value: &Data) -> Outcome<Data> {
+pub(super) fn apply(function: NumericFunction, value: &Data) -> Outcome<Data> {
     let v = number(value)?;
     let result = match (function, value) {
-        (Function::Neg, Data::Int(value)) => return Ok(value.checked_neg().map_or(Data::Real(-v), Data::Int)),
-        (Function::Neg, _) => return Ok(Data::Real(-v)),
-        (Function::Not, _) => return Ok(Data::Bool(v == 0.0)),
-        (Function::NotBits, _) => return Ok(Data::Int(i64::from(!bits(value)?))),
-        (Function::Abs, Data::Int(value)) => return Ok(Data::Int(value.saturating_abs())),
+        (NumericFunction::Neg, Data::Int(value)) => return Ok(value.checked_neg().map_or(Data::Real(-v), Data::Int)),
+        (NumericFunction::Neg, _) => return Ok(Data::Real(-v)),
+        (NumericFunction::Not, _) => return Ok(Data::Bool(v == 0.0)),
+        (NumericFunction::NotBits, _) => return Ok(Data::Int(i64::from(!bits(value)?))),
+        (NumericFunction::Abs, Data::Int(value)) => return Ok(Data::Int(value.saturating_abs())),
         // A whole number with rounding residue is that number, as for comparisons.
-        (Function::Fix, _) if same(v, v.round()) => return whole(v.round()),
-        (Function::Fix | Function::Round | Function::Ceil, _) => return whole(function.value(v).unwrap_or(v)),
-        (Function::Sin, _) => Some(sine(v)),
-        (Function::Cos, _) => Some(cosine(v)),
-        (Function::Tan, _) => match turn(v) {
+        (NumericFunction::Fix, _) if same(v, v.round()) => return whole(v.round()),
+        (NumericFunction::Fix | NumericFunction::Round | NumericFunction::Ceil, _) => {
+            return whole(function.value(v).unwrap_or(v));
+        }
+        (NumericFunction::Sin, _) => Some(sine(v)),
+        (NumericFunction::Cos, _) => Some(cosine(v)),
+        (NumericFunction::Tan, _) => match turn(v) {
             (_, 0.0) => None,
             (sine, cosine) => Some(sine / cosine),
         },
@@ -105,7 +107,7 @@ pub(super) fn apply(function: Function, value: &Data) -> Outcome<Data> {
 pub(super) fn number_function(name: &str, values: &[Data]) -> Outcome<Option<Data>> {
     let at = |at: usize| values.get(at).map_or(Ok(0.0), number);
     let value = match name {
-        "ATAN2" => Operator::Atan2.value(at(0)?, at(1)?).unwrap_or(0.0),
+        "ATAN2" => NumericOperator::Atan2.value(at(0)?, at(1)?).unwrap_or(0.0),
         "MINVAL" | "MAXVAL" => {
             let first_is_less = at(0)? <= at(1)?;
             let chosen = usize::from(first_is_less != (name == "MINVAL"));

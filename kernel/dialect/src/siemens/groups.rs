@@ -3,7 +3,7 @@
 //! Facts: list of G functions, which numbers them in each group. *Invariant:* a function that is not in the table has
 //! no number, so that reading it is reported.
 
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_machine::ident::{CodeId, codes};
 
 /// Group, code, number in the group.
@@ -49,7 +49,7 @@ const FEEDS: i64 = 15;
 const UNITS: i64 = 13;
 
 /// Number of the active function of a group; none if it is not known.
-pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
+pub(super) fn active(host: &dyn InterpreterHost, group: i64) -> Option<i64> {
     let is_active = |wanted: CodeId| host.is_active(wanted);
     if group == FRAMES && host.work_offset() > 0 {
         return Some(i64::from(host.work_offset()) + 1);

@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::actions::Waiting;
-use super::along::Turning;
-use super::drilling::HoleCycle;
+use super::actions::ArmedAction;
+use super::along::OrientationInterpolation;
+use super::drilling::SiemensHoleCycle;
 use super::preparation::Preparation;
 use counterpoint_event::FileId;
 
 /// The kept data.
 #[derive(Debug, Default)]
-pub(super) struct Held {
+pub(super) struct StatementState {
     /// Subprograms that were declared by EXTERN.
     pub(super) externals: FxHashSet<String>,
     /// Synchronised actions that wait.
-    pub(super) actions: Vec<Waiting>,
+    pub(super) actions: Vec<ArmedAction>,
     /// Additive part of the programmable translation, along X, Y and Z.
     pub(super) additive: [f64; 3],
     /// Feeds of axes that POS moves, by letter.
@@ -29,9 +29,9 @@ pub(super) struct Held {
     /// Limits of speed of spindles that are not the master, by number.
     pub(super) limits: FxHashMap<i64, f64>,
     /// How the tool turns along the path.
-    pub(super) turning: Turning,
+    pub(super) turning: OrientationInterpolation,
     /// CONTPRON without its EXECUTE.
     pub(super) preparation: Option<Preparation>,
     /// The drilling cycles among the programs that were called.
-    pub(super) holes: FxHashMap<FileId, Option<Arc<HoleCycle>>>,
+    pub(super) holes: FxHashMap<FileId, Option<Arc<SiemensHoleCycle>>>,
 }

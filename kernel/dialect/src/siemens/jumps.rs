@@ -9,22 +9,22 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::cursor::Cursor;
-use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
+use super::cursor::SiemensCursor;
+use super::line::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure, head, read};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens};
-use crate::host::{Host, Place, Programs};
+use super::{Outcome, Siemens, SiemensBlockError};
+use crate::host::{InterpreterHost, ProgramHost, ProgramPlace};
 use crate::text::without_comment;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::kept::Table;
-use counterpoint_program::search::{Labels, Search};
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
+use counterpoint_program::kept::CachedTable;
+use counterpoint_program::search::{LabelSearchOrder, Labels};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
 
 /// The items to be found in a file.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct SiemensFileIndex {
     pub(super) labels: Labels<String>,
     numbers: Labels<u32>,
     /// Programs of an archive: name, first and last line.
@@ -44,7 +44,7 @@ pub(super) struct Partners {
 
 /// Kinds of loops and branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ControlStructure {
     If,
     Loop,
     For,
@@ -53,10 +53,10 @@ enum Kind {
 }
 
 /// The effect of a line on loops and branches.
-enum Step {
-    Open(Kind),
+enum StructureMark {
+    Open(ControlStructure),
     Else,
-    Close(Kind),
+    Close(ControlStructure),
 }
 
 /// A block as the search sees it: without marks of optional skip and comment.
@@ -87,37 +87,44 @@ pub(super) fn is_head(text: &str) -> bool {
 /// Whether a text can be read, and its block does not begin with a definition.
 fn is_block(text: &str) -> bool {
     let text = text.trim();
-    let defines = |item: &Item| {
-        matches!(item, Item::Declare(_) | Item::Redeclare(_) | Item::Header(_) | Item::External(_) | Item::Define(..))
+    let defines = |item: &SiemensItem| {
+        matches!(
+            item,
+            SiemensItem::Declare(_)
+                | SiemensItem::Redeclare(_)
+                | SiemensItem::Header(_)
+                | SiemensItem::External(_)
+                | SiemensItem::Define(..)
+        )
     };
     text != "%" && read(text).is_ok_and(|line| line.items.first().is_some_and(|item| !defines(item)))
 }
 
-fn step(text: &str, cursor: &Cursor<'_>) -> Option<Step> {
+fn step(text: &str, cursor: &SiemensCursor<'_>) -> Option<StructureMark> {
     let word = cursor.peeked_name()?.to_ascii_uppercase();
     Some(match word.as_str() {
-        "LOOP" => Step::Open(Kind::Loop),
-        "FOR" => Step::Open(Kind::For),
-        "WHILE" => Step::Open(Kind::While),
-        "ELSE" => Step::Else,
-        "ENDIF" => Step::Close(Kind::If),
-        "ENDLOOP" => Step::Close(Kind::Loop),
-        "ENDFOR" => Step::Close(Kind::For),
-        "ENDWHILE" => Step::Close(Kind::While),
-        "UNTIL" => Step::Close(Kind::Repeat),
+        "LOOP" => StructureMark::Open(ControlStructure::Loop),
+        "FOR" => StructureMark::Open(ControlStructure::For),
+        "WHILE" => StructureMark::Open(ControlStructure::While),
+        "ELSE" => StructureMark::Else,
+        "ENDIF" => StructureMark::Close(ControlStructure::If),
+        "ENDLOOP" => StructureMark::Close(ControlStructure::Loop),
+        "ENDFOR" => StructureMark::Close(ControlStructure::For),
+        "ENDWHILE" => StructureMark::Close(ControlStructure::While),
+        "UNTIL" => StructureMark::Close(ControlStructure::Repeat),
         "IF" | "REPEAT" => match read(text).ok()?.items.first()? {
-            Item::If(_, None) => Step::Open(Kind::If),
-            Item::Structure(Structure::Repeat) => Step::Open(Kind::Repeat),
+            SiemensItem::If(_, None) => StructureMark::Open(ControlStructure::If),
+            SiemensItem::Structure(Structure::Repeat) => StructureMark::Open(ControlStructure::Repeat),
             _ => return None,
         },
         _ => return None,
     })
 }
 
-impl Places {
-    fn of(source: &Source) -> Self {
+impl SiemensFileIndex {
+    fn of(source: &ProgramSource) -> Self {
         let mut places = Self::default();
-        let mut open: Vec<(Kind, Partners)> = Vec::new();
+        let mut open: Vec<(ControlStructure, Partners)> = Vec::new();
         let mut defines = true;
         for line in source.walk(1, source.lines()) {
             let text = String::from_utf8_lossy(source.line(line));
@@ -131,7 +138,7 @@ impl Places {
                 places.programs.push((super::files::program_name(name.trim()), line, source.lines()));
                 continue;
             }
-            let mut cursor = Cursor::new(text);
+            let mut cursor = SiemensCursor::new(text);
             let (number, label) = head(&mut cursor);
             if let Some(number) = number.and_then(|number| number.parse().ok()) {
                 places.numbers.add(number, line);
@@ -150,15 +157,15 @@ impl Places {
         places
     }
 
-    fn partner(&mut self, open: &mut Vec<(Kind, Partners)>, step: Step, line: u32) {
+    fn partner(&mut self, open: &mut Vec<(ControlStructure, Partners)>, step: StructureMark, line: u32) {
         match step {
-            Step::Open(kind) => open.push((kind, Partners { first: line, otherwise: None, last: 0 })),
-            Step::Else => {
-                if let Some((Kind::If, partners)) = open.last_mut() {
+            StructureMark::Open(kind) => open.push((kind, Partners { first: line, otherwise: None, last: 0 })),
+            StructureMark::Else => {
+                if let Some((ControlStructure::If, partners)) = open.last_mut() {
                     partners.otherwise = Some(line);
                 }
             }
-            Step::Close(kind) => {
+            StructureMark::Close(kind) => {
                 if let Some((_, mut partners)) = open.pop_if(|(opened, _)| *opened == kind) {
                     partners.last = line;
                     for line in [Some(partners.first), partners.otherwise, Some(line)].into_iter().flatten() {
@@ -170,29 +177,35 @@ impl Places {
     }
 
     /// Line of a label or block number from another line, within some lines.
-    pub(super) fn find(&self, label: &Label, search: Search, here: u32, around: (u32, u32)) -> Option<u32> {
+    pub(super) fn find(
+        &self,
+        label: &SiemensJumpTarget,
+        search: LabelSearchOrder,
+        here: u32,
+        around: (u32, u32),
+    ) -> Option<u32> {
         match label {
-            Label::Number(number) => self.numbers.find(number, search, here, around),
-            Label::Name(name) => self.labels.find(name.as_str(), search, here, around),
-            Label::Value(_) => None,
+            SiemensJumpTarget::Number(number) => self.numbers.find(number, search, here, around),
+            SiemensJumpTarget::Name(name) => self.labels.find(name.as_str(), search, here, around),
+            SiemensJumpTarget::Value(_) => None,
         }
     }
 
     /// Line of the first block of the program around a line that defines nothing.
-    pub(super) fn first_block(&self, range: Range, line: u32) -> Option<u32> {
+    pub(super) fn first_block(&self, range: ProgramRange, line: u32) -> Option<u32> {
         let (first, last) = self.program(range, line);
         let at = self.first_blocks.partition_point(|block| *block < first);
         self.first_blocks.get(at).copied().filter(|block| *block <= last)
     }
 
     /// Lines of the program around a line.
-    pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
+    pub(super) fn program(&self, range: ProgramRange, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(_, first, last)| (*first..=*last).contains(&line));
         around.map_or((range.first, range.last), |(_, first, last)| (range.first.max(*first), range.last.min(*last)))
     }
 }
 
-impl Table for Places {
+impl CachedTable for SiemensFileIndex {
     fn bytes(&self) -> usize {
         let lines = self.labels.bytes() + self.numbers.bytes() + self.partners.len() * 40;
         lines + self.programs.len() * 80 + self.first_blocks.len() * 4
@@ -201,12 +214,17 @@ impl Table for Places {
 
 impl Siemens {
     /// Labels and loops of a file.
-    pub(super) fn places(&mut self, host: &dyn Programs, file: FileId) -> Arc<Places> {
-        self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
+    pub(super) fn places(&mut self, host: &dyn ProgramHost, file: FileId) -> Arc<SiemensFileIndex> {
+        self.places.get(file, || host.source(file).map(|source| SiemensFileIndex::of(&source)).unwrap_or_default())
     }
 
     /// A block of a file, read.
-    pub(super) fn line_of(&mut self, host: &dyn Host, file: FileId, line: u32) -> Arc<Result<Line, String>> {
+    pub(super) fn line_of(
+        &mut self,
+        host: &dyn InterpreterHost,
+        file: FileId,
+        line: u32,
+    ) -> Arc<Result<SiemensLine, String>> {
         if let Some(known) = self.read.get((file, line)) {
             return Arc::clone(known);
         }
@@ -219,38 +237,44 @@ impl Siemens {
     }
 
     /// Partners of the loop or branch of this block.
-    pub(super) fn partners(&mut self, host: &mut dyn Host) -> Outcome<Partners> {
+    pub(super) fn partners(&mut self, host: &mut dyn InterpreterHost) -> Outcome<Partners> {
         let place = host.place();
         let found = self.places(host, place.file).partners.get(&place.line).copied();
         match found.filter(|partners| partners.last >= place.range.first) {
             Some(partners) => Ok(partners),
-            None => Err(Fault::Alarm(&diag::MACRO_LOOP, "the loop or branch has no matching statement".to_owned())),
+            None => Err(SiemensBlockError::Alarm(
+                &diag::MACRO_LOOP,
+                "the loop or branch has no matching statement".to_owned(),
+            )),
         }
     }
 
     /// Goes on at a line, which has to be in the running text, or directly after it.
-    pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
+    pub(super) fn go(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
-            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leaves the part that is repeated".to_owned()));
+            return Err(SiemensBlockError::Alarm(
+                &diag::JUMP_TARGET,
+                "the jump leaves the part that is repeated".to_owned(),
+            ));
         }
         Ok(host.go_to(line)?)
     }
 
     /// Executes a jump; false if its target is missing and that is not a mistake.
-    pub(super) fn jump(&mut self, host: &mut dyn Host, jump: &Jump) -> Outcome<bool> {
+    pub(super) fn jump(&mut self, host: &mut dyn InterpreterHost, jump: &SiemensJump) -> Outcome<bool> {
         let place = host.place();
         let places = self.places(host, place.file);
         let (first, last) = places.program(place.range, place.line);
-        if jump.direction == Direction::Start {
+        if jump.direction == JumpDirection::Start {
             self.go(host, first)?;
             return Ok(true);
         }
         let label = self.label(host, &jump.target)?;
         let search = match jump.direction {
-            Direction::Forward => Search::Forward,
-            Direction::Back => Search::Back,
-            Direction::Either | Direction::Silent | Direction::Start => Search::Around,
+            JumpDirection::Forward => LabelSearchOrder::Forward,
+            JumpDirection::Back => LabelSearchOrder::Back,
+            JumpDirection::Either | JumpDirection::Silent | JumpDirection::Start => LabelSearchOrder::Around,
         };
         let found = places.find(&label, search, place.line, (first, last));
         match found {
@@ -258,27 +282,31 @@ impl Siemens {
                 self.go(host, line)?;
                 Ok(true)
             }
-            None if jump.direction == Direction::Silent => Ok(false),
+            None if jump.direction == JumpDirection::Silent => Ok(false),
             None => {
                 let way = match jump.direction {
-                    Direction::Forward => " after this block",
-                    Direction::Back => " before this block",
+                    JumpDirection::Forward => " after this block",
+                    JumpDirection::Back => " before this block",
                     _ => "",
                 };
                 let text = format!("{} not found in the program{way}", shown(&label));
-                Err(Fault::Alarm(&diag::JUMP_TARGET, text))
+                Err(SiemensBlockError::Alarm(&diag::JUMP_TARGET, text))
             }
         }
     }
 
     /// A label without expressions.
-    fn label<'l>(&mut self, host: &mut dyn Host, label: &'l Label) -> Outcome<Cow<'l, Label>> {
+    fn label<'l>(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        label: &'l SiemensJumpTarget,
+    ) -> Outcome<Cow<'l, SiemensJumpTarget>> {
         let value = match label {
-            Label::Name(name) if self.variables.knows(name) => {
-                let name = super::expression::Name { name: name.clone(), index: Vec::new() };
+            SiemensJumpTarget::Name(name) if self.variables.knows(name) => {
+                let name = super::expression::IndexedName { name: name.clone(), index: Vec::new() };
                 self.read(host, &name)?
             }
-            Label::Value(expression) => self.evaluate(host, expression)?,
+            SiemensJumpTarget::Value(expression) => self.evaluate(host, expression)?,
             known => return Ok(Cow::Borrowed(known)),
         };
         let text = match value {
@@ -287,34 +315,41 @@ impl Siemens {
         };
         let digits = text.strip_prefix(['N', ':']).unwrap_or(&text);
         Ok(Cow::Owned(match digits.parse() {
-            Ok(number) => Label::Number(number),
-            Err(_) => Label::Name(text),
+            Ok(number) => SiemensJumpTarget::Number(number),
+            Err(_) => SiemensJumpTarget::Name(text),
         }))
     }
 
     /// The line of a label for REPEAT and CALL BLOCK: before this block, otherwise after it.
-    pub(super) fn label_line(&mut self, host: &mut dyn Host, label: &Label, place: &Place) -> Outcome<u32> {
+    pub(super) fn label_line(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        label: &SiemensJumpTarget,
+        place: &ProgramPlace,
+    ) -> Outcome<u32> {
         let label = self.label(host, label)?;
         let places = self.places(host, place.file);
         let around = places.program(place.range, place.line.clamp(place.range.first, place.range.last));
-        match places.find(&label, Search::BackThenForward, place.line, around) {
+        match places.find(&label, LabelSearchOrder::BackThenForward, place.line, around) {
             Some(line) => Ok(line),
-            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("{} not found in the program", shown(&label)))),
+            None => {
+                Err(SiemensBlockError::Alarm(&diag::JUMP_TARGET, format!("{} not found in the program", shown(&label))))
+            }
         }
     }
 
     /// The first ENDLABEL of the program from a line on.
-    pub(super) fn end_label(&mut self, host: &mut dyn Host, place: &Place, from: u32) -> Option<u32> {
+    pub(super) fn end_label(&mut self, host: &mut dyn InterpreterHost, place: &ProgramPlace, from: u32) -> Option<u32> {
         let places = self.places(host, place.file);
         let within = (from, place.line.saturating_sub(1));
-        places.labels.find("ENDLABEL", Search::FromTop, place.line, within)
+        places.labels.find("ENDLABEL", LabelSearchOrder::FromTop, place.line, within)
     }
 }
 
-pub(super) fn shown(label: &Label) -> String {
+pub(super) fn shown(label: &SiemensJumpTarget) -> String {
     match label {
-        Label::Number(number) => format!("block N{number}"),
-        Label::Name(name) => format!("label {name}"),
-        Label::Value(_) => "such label".to_owned(),
+        SiemensJumpTarget::Number(number) => format!("block N{number}"),
+        SiemensJumpTarget::Name(name) => format!("label {name}"),
+        SiemensJumpTarget::Value(_) => "such label".to_owned(),
     }
 }

@@ -3,18 +3,18 @@
 //! *Invariant:* words that replace those of the block get their places when the block is left.
 
 use super::aims::Aims;
-use super::places::Places;
-use crate::host::Call;
+use super::places::RemainderParts;
+use crate::host::SubprogramCall;
 
 /// The rest of a block.
 #[derive(Debug, Default)]
-pub(super) struct Left {
+pub(super) struct SiemensRemainder {
     /// Blocks that act before the words.
     pub(super) before: Vec<String>,
     pub(super) words: String,
     /// The parts of the words, with their places in the block.
-    pub(super) places: Places,
-    pub(super) call: Option<Call>,
+    pub(super) places: RemainderParts,
+    pub(super) call: Option<SubprogramCall>,
     pub(super) passes: Option<u32>,
     /// The word for passes; without a call it stays a word of the block.
     pub(super) passes_word: Option<String>,
@@ -32,7 +32,7 @@ pub(super) struct Left {
     pub(super) beside: Vec<(String, f64)>,
 }
 
-impl Left {
+impl SiemensRemainder {
     /// An empty rest with the G90 or G91 of another block.
     pub(super) fn counting_as(other: &Self) -> Self {
         Self { relative: other.relative, ..Self::default() }

@@ -5,22 +5,22 @@
 //! Invariant: text that is not a statement is kept unchanged.
 
 use super::actions;
-use super::cursor::{Cursor, begins_name, in_name};
-use super::define::{self, Declaration, Header};
-use super::expression::{Argument, Expression, Name, arguments, expression, indexed, unexpected};
+use super::cursor::{SiemensCursor, begins_name, in_name};
+use super::define::{self, ProcHeader, VariableDeclaration};
+use super::expression::{Expression, IndexedName, SiemensArgument, arguments, expression, indexed, unexpected};
 use super::statement::{JUMPS, call, case, direction, jump, repeat};
 use super::value::Data;
-use crate::statement::{IDLE, Shared, Statements};
+use crate::statement::{IDLE, SharedStatement, Statements};
 use crate::words::{Span, span};
 
 /// A block.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Line {
+pub(super) struct SiemensLine {
     /// Its number as written without the letter.
     pub(super) number: Option<String>,
     /// In capital letters.
     pub(super) label: Option<String>,
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<SiemensItem>,
     /// Places in the block of the number with its letter, then of the items; empty if the text does not come from the
     /// block.
     pub(super) places: Vec<Span>,
@@ -33,7 +33,7 @@ pub(super) struct Line {
     pub(super) speed_is_other: bool,
 }
 
-impl Line {
+impl SiemensLine {
     /// The line with its places moved by `offset`, for a text that ends with the line.
     pub(super) fn at(self, offset: usize) -> Self {
         let offset = offset as u32;
@@ -44,18 +44,18 @@ impl Line {
 
 /// A word or statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Item {
+pub(super) enum SiemensItem {
     /// A plain word, or text that is none.
     Text(String),
     /// `NAME=…`: a variable or a word.
     Set {
-        name: Name,
-        value: Assigned,
+        name: IndexedName,
+        value: AssignmentValue,
     },
     /// A name alone.
     Bare(String),
     /// A name with arguments.
-    Function(String, Vec<Argument>),
+    Function(String, Vec<SiemensArgument>),
     /// `P…` beside a call, with the word as it is written.
     Passes(Expression, String),
     /// `L…`
@@ -64,29 +64,29 @@ pub(super) enum Item {
     CallText {
         name: Expression,
         section: Option<(String, String)>,
-        arguments: Vec<Argument>,
+        arguments: Vec<SiemensArgument>,
     },
     /// MCALL
     Modal,
     /// M17, RET as written; whether it wants to go elsewhere.
     Return(String, bool),
     Define(String, String),
-    Declare(Declaration),
-    Redeclare(Declaration),
-    Header(Header),
-    External(Header),
-    Message(Option<Argument>),
+    Declare(VariableDeclaration),
+    Redeclare(VariableDeclaration),
+    Header(ProcHeader),
+    External(ProcHeader),
+    Message(Option<SiemensArgument>),
     /// A synchronised action.
-    Synchronised(std::sync::Arc<actions::Action>),
-    If(Expression, Option<Jump>),
-    Case(Expression, Vec<(Expression, Jump)>, Option<Jump>),
-    Goto(Jump),
-    For(Name, Expression, Expression),
+    Synchronised(std::sync::Arc<actions::SynchronisedAction>),
+    If(Expression, Option<SiemensJump>),
+    Case(Expression, Vec<(Expression, SiemensJump)>, Option<SiemensJump>),
+    Goto(SiemensJump),
+    For(IndexedName, Expression, Expression),
     While(Expression),
     Until(Expression),
     RepeatPart {
-        first: Label,
-        last: Option<Label>,
+        first: SiemensJumpTarget,
+        last: Option<SiemensJumpTarget>,
         passes: Option<Expression>,
         one_block: bool,
     },
@@ -94,9 +94,9 @@ pub(super) enum Item {
     Structure(Structure),
     /// A statement that other controls have too, with its keyword as written.
     Shared {
-        statement: &'static Shared,
+        statement: &'static SharedStatement,
         text: String,
-        operands: Vec<Argument>,
+        operands: Vec<SiemensArgument>,
     },
 }
 
@@ -114,20 +114,20 @@ pub(super) enum Structure {
 
 /// The text after `=`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Assigned {
+pub(super) enum AssignmentValue {
     /// An expression, and how it is written.
     One(Expression, String),
     /// `SET(…)` or a list in parentheses.
-    List(Vec<Argument>),
+    List(Vec<SiemensArgument>),
     /// `REP(value[, number])`
-    Fill(Vec<Argument>),
+    Fill(Vec<SiemensArgument>),
     /// `AC(…)` and the like.
-    Positioned(Positioning, Expression, String),
+    Positioned(PositionMode, Expression, String),
 }
 
 /// How a position counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Positioning {
+pub(super) enum PositionMode {
     Absolute,
     Incremental,
     Shortest,
@@ -154,7 +154,7 @@ pub(super) enum Width {
 
 /// Where a jump looks for its target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Direction {
+pub(super) enum JumpDirection {
     Forward,
     Back,
     Either,
@@ -165,14 +165,14 @@ pub(super) enum Direction {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Jump {
-    pub(super) direction: Direction,
-    pub(super) target: Label,
+pub(super) struct SiemensJump {
+    pub(super) direction: JumpDirection,
+    pub(super) target: SiemensJumpTarget,
 }
 
 /// A label, a block number, or an expression that gives one of them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Label {
+pub(super) enum SiemensJumpTarget {
     Number(u32),
     Name(String),
     Value(Expression),
@@ -189,23 +189,23 @@ const STRUCTURES: [(&str, Structure); 7] = [
     ("REPEAT", Structure::Repeat),
 ];
 
-const POSITIONINGS: [(&str, Positioning); 16] = [
-    ("AC", Positioning::Absolute),
-    ("IC", Positioning::Incremental),
-    ("DC", Positioning::Shortest),
-    ("ACP", Positioning::Positive),
-    ("ACN", Positioning::Negative),
-    ("CAC", Positioning::Absolute),
-    ("CDC", Positioning::Shortest),
-    ("CACP", Positioning::Positive),
-    ("CACN", Positioning::Negative),
-    ("QU", Positioning::Value),
-    ("PM", Positioning::PerMinute),
-    ("PR", Positioning::PerRevolution),
-    ("DAC", Positioning::AbsoluteAs(Width::Diameter)),
-    ("DIC", Positioning::IncrementalAs(Width::Diameter)),
-    ("RAC", Positioning::AbsoluteAs(Width::Radius)),
-    ("RIC", Positioning::IncrementalAs(Width::Radius)),
+const POSITIONINGS: [(&str, PositionMode); 16] = [
+    ("AC", PositionMode::Absolute),
+    ("IC", PositionMode::Incremental),
+    ("DC", PositionMode::Shortest),
+    ("ACP", PositionMode::Positive),
+    ("ACN", PositionMode::Negative),
+    ("CAC", PositionMode::Absolute),
+    ("CDC", PositionMode::Shortest),
+    ("CACP", PositionMode::Positive),
+    ("CACN", PositionMode::Negative),
+    ("QU", PositionMode::Value),
+    ("PM", PositionMode::PerMinute),
+    ("PR", PositionMode::PerRevolution),
+    ("DAC", PositionMode::AbsoluteAs(Width::Diameter)),
+    ("DIC", PositionMode::IncrementalAs(Width::Diameter)),
+    ("RAC", PositionMode::AbsoluteAs(Width::Radius)),
+    ("RIC", PositionMode::IncrementalAs(Width::Radius)),
 ];
 
 /// Key words of statements that other controls have too.
@@ -220,7 +220,7 @@ const STATEMENTS: Statements<&str> = &[
 ];
 
 /// Number and label at the start of a block; the cursor stops after them.
-pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) {
+pub(super) fn head(cursor: &mut SiemensCursor<'_>) -> (Option<String>, Option<String>) {
     let mut number = None;
     cursor.blanks();
     let first = cursor.byte(0).to_ascii_uppercase();
@@ -245,13 +245,13 @@ pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) 
 }
 
 /// Reads a block without comment and marks of optional skip.
-pub(super) fn read(text: &str) -> Result<Line, String> {
-    let mut cursor = Cursor::new(text);
+pub(super) fn read(text: &str) -> Result<SiemensLine, String> {
+    let mut cursor = SiemensCursor::new(text);
     cursor.blanks();
     let start = cursor.at();
     let (number, label) = head(&mut cursor);
     let end = start + 1 + number.as_ref().map_or(0, String::len);
-    let mut line = Line { number, label, places: vec![span(start, end)], ..Line::default() };
+    let mut line = SiemensLine { number, label, places: vec![span(start, end)], ..SiemensLine::default() };
     loop {
         cursor.blanks();
         if cursor.is_at_end() {
@@ -266,19 +266,19 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
 }
 
 /// Refuses other words beside statements of loops and branches, and axis words beside statements that take none.
-fn alone(line: Line) -> Result<Line, String> {
+fn alone(line: SiemensLine) -> Result<SiemensLine, String> {
     if let Some((statement, axis)) = super::own_block::axis_beside_statement(&line.items) {
         return Err(format!("{statement} takes no axis word; program {axis} in a block of its own"));
     }
-    let is_structure = |item: &&Item| {
+    let is_structure = |item: &&SiemensItem| {
         matches!(
             item,
-            Item::If(_, None)
-                | Item::Structure(_)
-                | Item::For(..)
-                | Item::While(_)
-                | Item::Until(_)
-                | Item::RepeatPart { .. }
+            SiemensItem::If(_, None)
+                | SiemensItem::Structure(_)
+                | SiemensItem::For(..)
+                | SiemensItem::While(_)
+                | SiemensItem::Until(_)
+                | SiemensItem::RepeatPart { .. }
         )
     };
     match line.items.iter().find(is_structure) {
@@ -287,7 +287,7 @@ fn alone(line: Line) -> Result<Line, String> {
     }
 }
 
-pub(super) fn item(cursor: &mut Cursor<'_>) -> Result<Item, String> {
+pub(super) fn item(cursor: &mut SiemensCursor<'_>) -> Result<SiemensItem, String> {
     let (first, second) = (cursor.byte(0), cursor.byte(1));
     let named = first == b'$' || first == b'_' || second == b'_';
     if begins_name(first) && (named || second.is_ascii_alphabetic()) {
@@ -300,16 +300,16 @@ pub(super) fn item(cursor: &mut Cursor<'_>) -> Result<Item, String> {
     }
     let from = cursor.at();
     if first == b'"' && cursor.quoted().is_some() {
-        return Ok(Item::Text(cursor.since(from).to_owned()));
+        return Ok(SiemensItem::Text(cursor.since(from).to_owned()));
     }
     while !cursor.is_at_end() && !matches!(cursor.byte(0), b' ' | b'\t') {
         cursor.step();
     }
-    Ok(Item::Text(cursor.since(from).to_owned()))
+    Ok(SiemensItem::Text(cursor.since(from).to_owned()))
 }
 
 /// A word by its letter.
-fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
+fn address(cursor: &mut SiemensCursor<'_>, letter: u8) -> Result<SiemensItem, String> {
     let from = cursor.at();
     cursor.step();
     let extension = cursor.digits().to_owned();
@@ -327,12 +327,12 @@ fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
         if let ("P", []) = (name.name.as_str(), name.index.as_slice()) {
             cursor.takes("=");
             let value = expression(cursor)?;
-            return Ok(Item::Passes(value, cursor.since(from).to_owned()));
+            return Ok(SiemensItem::Passes(value, cursor.since(from).to_owned()));
         }
         return assignment(cursor, name);
     }
     if letter == b'L' && !extension.is_empty() && cursor.byte(0) == b'(' {
-        return Ok(Item::Function(name, arguments(cursor)?));
+        return Ok(SiemensItem::Function(name, arguments(cursor)?));
     }
     if extension.is_empty() {
         // A blank between letter and number belongs to the word.
@@ -349,17 +349,17 @@ fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
     }
     let text = cursor.since(from);
     Ok(match letter {
-        b'L' if !extension.is_empty() && text.len() == name.len() => Item::Program(name),
+        b'L' if !extension.is_empty() && text.len() == name.len() => SiemensItem::Program(name),
         b'P' => match extension.parse() {
-            Ok(passes) => Item::Passes(Expression::constant(Data::Int(passes)), text.to_owned()),
-            Err(_) => Item::Text(text.to_owned()),
+            Ok(passes) => SiemensItem::Passes(Expression::constant(Data::Int(passes)), text.to_owned()),
+            Err(_) => SiemensItem::Text(text.to_owned()),
         },
-        b'M' if extension.parse() == Ok(17) && text.len() == name.len() => Item::Return(name, false),
-        _ => Item::Text(text.to_owned()),
+        b'M' if extension.parse() == Ok(17) && text.len() == name.len() => SiemensItem::Return(name, false),
+        _ => SiemensItem::Text(text.to_owned()),
     })
 }
 
-fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
+fn assignment(cursor: &mut SiemensCursor<'_>, name: IndexedName) -> Result<SiemensItem, String> {
     cursor.takes("=");
     cursor.blanks();
     let from = cursor.at();
@@ -368,13 +368,13 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
         && cursor.byte(0) == b'('
     {
         match key.as_str() {
-            "SET" => return Ok(Item::Set { name, value: Assigned::List(arguments(cursor)?) }),
-            "REP" => return Ok(Item::Set { name, value: Assigned::Fill(arguments(cursor)?) }),
+            "SET" => return Ok(SiemensItem::Set { name, value: AssignmentValue::List(arguments(cursor)?) }),
+            "REP" => return Ok(SiemensItem::Set { name, value: AssignmentValue::Fill(arguments(cursor)?) }),
             _ => {}
         }
         // `CIC` is the incremental path along coded positions.
         let way = if key == "IC" || key == "CIC" {
-            Some(Positioning::Incremental)
+            Some(PositionMode::Incremental)
         } else {
             POSITIONINGS.iter().find(|(text, _)| *text == key).map(|(_, way)| *way)
         };
@@ -384,18 +384,18 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
             if !cursor.takes(")") {
                 return Err(format!("a ')' is missing, {}", unexpected(cursor)));
             }
-            return Ok(Item::Set { name, value: Assigned::Positioned(way, value, key) });
+            return Ok(SiemensItem::Set { name, value: AssignmentValue::Positioned(way, value, key) });
         }
     }
     *cursor = before;
     if let Some(list) = define::list(cursor)? {
-        return Ok(Item::Set { name, value: Assigned::List(list) });
+        return Ok(SiemensItem::Set { name, value: AssignmentValue::List(list) });
     }
     let value = expression(cursor)?;
-    Ok(Item::Set { name, value: Assigned::One(value, cursor.since(from).trim().to_owned()) })
+    Ok(SiemensItem::Set { name, value: AssignmentValue::One(value, cursor.since(from).trim().to_owned()) })
 }
 
-fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, String> {
+fn statement(cursor: &mut SiemensCursor<'_>, name: &str, from: usize) -> Result<SiemensItem, String> {
     cursor.blanks_before_brackets();
     if actions::begins(name, cursor) {
         return actions::action(cursor, name);
@@ -404,10 +404,10 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
         if *structure == Structure::Repeat {
             return repeat(cursor, false);
         }
-        return Ok(Item::Structure(*structure));
+        return Ok(SiemensItem::Structure(*structure));
     }
     if let Some((_, direction)) = JUMPS.iter().find(|(text, _)| *text == name) {
-        return Ok(Item::Goto(jump(cursor, *direction)?));
+        return Ok(SiemensItem::Goto(jump(cursor, *direction)?));
     }
     if let Some((_, statement)) = STATEMENTS.iter().find(|(text, _)| *text == name) {
         let text = cursor.since(from).to_owned();
@@ -415,7 +415,7 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
         if operands.len() != statement.operands {
             return Err(format!("{name} takes {} arguments, not {}", statement.operands, operands.len()));
         }
-        return Ok(Item::Shared { statement, text, operands });
+        return Ok(SiemensItem::Shared { statement, text, operands });
     }
     Ok(match name {
         "REPEATB" => return repeat(cursor, true),
@@ -424,10 +424,10 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
             let before = cursor.clone();
             let direction = cursor.name().and_then(direction);
             match direction {
-                Some(direction) => Item::If(condition, Some(jump(cursor, direction)?)),
+                Some(direction) => SiemensItem::If(condition, Some(jump(cursor, direction)?)),
                 None => {
                     *cursor = before;
-                    Item::If(condition, None)
+                    SiemensItem::If(condition, None)
                 }
             }
         }
@@ -442,12 +442,12 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
             if !cursor.word("TO") {
                 return Err(format!("TO is missing, {}", unexpected(cursor)));
             }
-            Item::For(variable, first, expression(cursor)?)
+            SiemensItem::For(variable, first, expression(cursor)?)
         }
-        "WHILE" => Item::While(expression(cursor)?),
-        "UNTIL" => Item::Until(expression(cursor)?),
-        "DEF" => Item::Declare(define::declaration(cursor)?),
-        "REDEF" => Item::Redeclare(define::declaration(cursor)?),
+        "WHILE" => SiemensItem::While(expression(cursor)?),
+        "UNTIL" => SiemensItem::Until(expression(cursor)?),
+        "DEF" => SiemensItem::Declare(define::declaration(cursor)?),
+        "REDEF" => SiemensItem::Redeclare(define::declaration(cursor)?),
         "DEFINE" => {
             let Some(name) = cursor.name() else { return Err(unexpected(cursor)) };
             if !cursor.word("AS") {
@@ -457,18 +457,20 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
             while !cursor.is_at_end() {
                 cursor.step();
             }
-            Item::Define(name.to_ascii_uppercase(), text)
+            SiemensItem::Define(name.to_ascii_uppercase(), text)
         }
-        "PROC" => Item::Header(define::header(cursor)?),
-        "EXTERN" => Item::External(define::header(cursor)?),
-        "MSG" => Item::Message(if cursor.byte(0) == b'(' { arguments(cursor)?.into_iter().next() } else { None }),
-        "MCALL" => Item::Modal,
+        "PROC" => SiemensItem::Header(define::header(cursor)?),
+        "EXTERN" => SiemensItem::External(define::header(cursor)?),
+        "MSG" => {
+            SiemensItem::Message(if cursor.byte(0) == b'(' { arguments(cursor)?.into_iter().next() } else { None })
+        }
+        "MCALL" => SiemensItem::Modal,
         "RET" => {
             let elsewhere = cursor.byte(0) == b'(' && !arguments(cursor)?.is_empty();
-            Item::Return(cursor.since(from).to_owned(), elsewhere)
+            SiemensItem::Return(cursor.since(from).to_owned(), elsewhere)
         }
         "CALL" | "EXTCALL" | "PCALL" => return call(cursor, name),
-        _ if cursor.byte(0) == b'(' => Item::Function(name.to_owned(), arguments(cursor)?),
+        _ if cursor.byte(0) == b'(' => SiemensItem::Function(name.to_owned(), arguments(cursor)?),
         _ => {
             let behind = cursor.at();
             match indexed(cursor, name) {
@@ -479,9 +481,9 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
                 while !cursor.is_at_end() && !matches!(cursor.byte(0), b' ' | b'\t') {
                     cursor.step();
                 }
-                return Ok(Item::Text(cursor.since(from).to_owned()));
+                return Ok(SiemensItem::Text(cursor.since(from).to_owned()));
             }
-            Item::Bare(cursor.since(from).to_owned())
+            SiemensItem::Bare(cursor.since(from).to_owned())
         }
     })
 }

@@ -7,10 +7,10 @@
 //! approach". Decisions: TRANS, ROT, SCALE and MIRROR remove the additive part, as they remove the whole frame; G58 and
 //! G59 in a frame that is turned, scaled or mirrored are refused. *Invariant:* no value of a G74 or G75 is a position.
 
-use super::left::Left;
+use super::left::SiemensRemainder;
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, syntax};
-use crate::host::{AxisPlace, Host};
+use super::{Outcome, Siemens, SiemensBlockError, syntax};
+use crate::host::{AxisPlace, InterpreterHost};
 use counterpoint_fault as diag;
 
 /// Words for the machine's tables: reference point, fixed point and its number.
@@ -55,7 +55,7 @@ fn axis_word<'w>(axes: &[AxisPlace], word: &'w str) -> Option<(usize, &'w str)> 
 
 impl Siemens {
     /// Rewrites the words of a block.
-    pub(super) fn rewrite(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+    pub(super) fn rewrite(&mut self, host: &mut dyn InterpreterHost, left: &mut SiemensRemainder) -> Outcome<()> {
         if !may_be_rewritten(&left.words) {
             return Ok(());
         }
@@ -91,7 +91,12 @@ impl Siemens {
     }
 
     /// G58 and G59: the frame with another part of its translation.
-    fn part_of_translation(&mut self, host: &mut dyn Host, left: &mut Left, additive: bool) -> Outcome<()> {
+    fn part_of_translation(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        left: &mut SiemensRemainder,
+        additive: bool,
+    ) -> Outcome<()> {
         if !host.is_code_text("TRANS") {
             return Ok(());
         }
@@ -105,7 +110,7 @@ impl Siemens {
         let name = if additive { "G59" } else { "G58" };
         let axes = host.axes();
         if turned || axes.iter().any(|axis| axis.line[0] != 1.0) {
-            return Err(Fault::Alarm(
+            return Err(SiemensBlockError::Alarm(
                 &diag::SIEMENS_STATE,
                 format!(
                     "{name} in a frame that is turned, scaled or mirrored is not emulated; program TRANS before it"
@@ -144,7 +149,7 @@ impl Siemens {
 }
 
 /// Sets the values of axis words to 0: they only name mirrored axes, and mirrors are at the zero of the frame.
-fn at_zero(host: &dyn Host, left: &mut Left) {
+fn at_zero(host: &dyn InterpreterHost, left: &mut SiemensRemainder) {
     let axes = host.axes();
     let word = |word: &str| match axis_word(&axes, word) {
         Some((_, _)) => format!("{}0", word.get(..1).unwrap_or_default()),
@@ -159,7 +164,7 @@ fn slot(axis: &AxisPlace) -> Option<usize> {
 }
 
 /// G74 and G75.
-fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
+fn to_points(host: &mut dyn InterpreterHost, left: &mut SiemensRemainder, fixed: bool) -> Outcome<()> {
     let (name, text) = if fixed { ("G75", FIXED) } else { ("G74", HOME) };
     if !host.is_code_text(text) {
         return Ok(());
@@ -194,7 +199,7 @@ fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
 }
 
 /// TRANS replaces the whole translation: axes that it does not name are no longer moved.
-fn whole_translation(host: &dyn Host, left: &mut Left) {
+fn whole_translation(host: &dyn InterpreterHost, left: &mut SiemensRemainder) {
     if left.words.split(' ').any(|word| word.len() == 1) {
         // An axis without its value: the message shows the block as it is.
         return;

@@ -4,14 +4,19 @@
 //! they stop the channel. *Invariant:* a shown text is a text of the program, never an expression that could be
 //! evaluated.
 
-use super::expression::{Argument, as_name};
-use super::left::Left;
-use super::{Fault, Outcome, Siemens, syntax};
-use crate::host::Host;
+use super::expression::{SiemensArgument, as_name};
+use super::left::SiemensRemainder;
+use super::{Outcome, Siemens, SiemensBlockError, syntax};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 impl Siemens {
-    pub(super) fn message(&mut self, host: &mut dyn Host, argument: Option<&Argument>, left: &mut Left) -> Outcome<()> {
+    pub(super) fn message(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        argument: Option<&SiemensArgument>,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         let text = match argument {
             None => String::new(),
             Some(argument) => match &argument.value {
@@ -40,7 +45,7 @@ impl Siemens {
     }
 
     /// SETAL: an alarm, which stops the channel or is only shown, as its number says.
-    pub(super) fn set_alarm(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    pub(super) fn set_alarm(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
         let number = match self.argument(host, first)? {
             Some(value) => super::evaluate::number(&value)?,
@@ -58,12 +63,12 @@ impl Siemens {
     }
 
     /// Raises an alarm of a cycle, which stops the channel or is only shown, as its number says.
-    pub(super) fn raise(&mut self, host: &mut dyn Host, number: u32, text: String) -> Outcome<()> {
+    pub(super) fn raise(&mut self, host: &mut dyn InterpreterHost, number: u32, text: String) -> Outcome<()> {
         let is_shown = matches!(number / 1000, 60 | 63 | 64 | 67);
         match self.settings.severity {
             Some(severity) => host.report(&diag::SIEMENS_ALARM, severity, text),
             None if is_shown => host.diagnose(&diag::SIEMENS_ALARM, text),
-            None => return Err(Fault::Alarm(&diag::SIEMENS_STOP, text)),
+            None => return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STOP, text)),
         }
         Ok(())
     }

@@ -54,54 +54,56 @@ mod system;
 mod tests;
 mod texts;
 mod tools;
+mod unknown_names;
 mod value;
+mod variable_store;
 mod variables;
 mod words;
 
 use counterpoint_fault::Halt;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use rustc_hash::FxHashMap;
 
-use super::host::Host;
-use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
+use super::host::InterpreterHost;
+use super::interpreter::{Interpreter, MadeBlocks, Remaining, SettingOutcome};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_fault::Facts;
-use counterpoint_program::kept::{Kept, Tables};
-use counterpoint_program::shape::Range;
+use counterpoint_fault::DiagnosticFacts;
+use counterpoint_program::kept::{LineCache, TableCache};
+use counterpoint_program::shape::ProgramRange;
 
-pub(crate) use control::Control;
+pub(crate) use control::SiemensDialect;
 
 /// Why executing a block failed.
 #[derive(Debug)]
-enum Fault {
+enum SiemensBlockError {
     /// The channel stops.
     Halt(Halt),
     /// An alarm that is still to be reported.
-    Alarm(&'static Facts, String),
+    Alarm(&'static DiagnosticFacts, String),
 }
 
-impl From<Halt> for Fault {
+impl From<Halt> for SiemensBlockError {
     fn from(halt: Halt) -> Self {
         Self::Halt(halt)
     }
 }
 
-type Outcome<T> = Result<T, Fault>;
+type Outcome<T> = Result<T, SiemensBlockError>;
 
 /// A mistake in the text of a block.
 fn syntax<T>(text: impl Into<String>) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_SYNTAX, text.into()))
+    Err(SiemensBlockError::Alarm(&diag::MACRO_SYNTAX, text.into()))
 }
 
 /// A value of the wrong type or beyond its type.
 fn wrong_type<T>(text: impl Into<String>) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::SIEMENS_TYPE, text.into()))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_TYPE, text.into()))
 }
 
 /// Number and title of the control's alarm, where the text does not tell it already.
-fn number_of(facts: &Facts, text: &str) -> &'static str {
+fn number_of(facts: &DiagnosticFacts, text: &str) -> &'static str {
     if text.contains("(alarm ") {
         return "";
     }
@@ -117,30 +119,30 @@ fn number_of(facts: &Facts, text: &str) -> &'static str {
 /// The pre-processor with its variables.
 #[derive(Debug, Default)]
 pub(crate) struct Siemens {
-    variables: variables::Variables,
+    variables: variable_store::SiemensVariableStore,
     /// System variables that keep the written values.
-    stored: stored::Stored,
+    stored: stored::StoredVariables,
     /// Frames that the program has assigned.
-    frames: frames::Assigned,
+    frames: frames::AssignedFrames,
     /// DEFINE: texts for names.
     defines: defines::Defines,
     /// Blocks that were read.
-    read: Kept<Result<line::Line, String>>,
+    read: LineCache<Result<line::SiemensLine, String>>,
     /// Labels and loops of files.
-    places: Tables<FileId, jumps::Places>,
+    places: TableCache<FileId, jumps::SiemensFileIndex>,
     /// Where subprograms are, by calling file and name.
-    found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
+    found: FxHashMap<(FileId, String), Option<(FileId, ProgramRange)>>,
     /// Words of the machine.
     known: words::MachineWords,
     /// Subprogram that the block calls.
     calling: Option<calls::Calling>,
     /// Subprogram that blocks with motion call.
-    modal: Option<modal::Modal>,
+    modal: Option<modal::SiemensModalCall>,
     /// Subprograms that were running where it was called; it runs, or has run.
     modal_from: Option<usize>,
-    settings: settings::Settings,
+    settings: settings::SiemensSettings,
     /// State that statements keep for later blocks.
-    held: held::Held,
+    held: held::StatementState,
     /// The reason why the channel stopped where nothing could be returned.
     halted: Option<Halt>,
     /// Whether macros are not asked about unknown names.
@@ -174,11 +176,11 @@ fn returns(text: &[u8]) -> bool {
 
 impl Siemens {
     /// A fault becomes an alarm.
-    fn reported<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
+    fn reported<T>(&self, host: &mut dyn InterpreterHost, outcome: Outcome<T>) -> Result<T, Halt> {
         match outcome {
             Ok(done) => Ok(done),
-            Err(Fault::Halt(halt)) => Err(halt),
-            Err(Fault::Alarm(facts, text)) => {
+            Err(SiemensBlockError::Halt(halt)) => Err(halt),
+            Err(SiemensBlockError::Alarm(facts, text)) => {
                 let text = format!("{}{text} in '{}'", number_of(facts, &text), host.block_text());
                 Err(host.alarm(facts, text))
             }
@@ -192,14 +194,14 @@ impl Siemens {
         self.quiet = before;
         match done {
             Ok(done) => Ok(Some(done)),
-            Err(Fault::Halt(halt)) => Err(halt),
-            Err(Fault::Alarm(..)) => Ok(None),
+            Err(SiemensBlockError::Halt(halt)) => Err(halt),
+            Err(SiemensBlockError::Alarm(..)) => Ok(None),
         }
     }
 
     /// Sends all blocks to the pre-processor while a name may stand for something else, motion may call, an action
     /// waits or the tool turns along the path.
-    fn watch(&self, host: &mut dyn Host) {
+    fn watch(&self, host: &mut dyn InterpreterHost) {
         host.watch(self.must_watch());
     }
 
@@ -211,7 +213,7 @@ impl Siemens {
 }
 
 impl Interpreter for Siemens {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+    fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt> {
         if let Some(halt) = self.halted.take() {
             return Err(halt);
         }
@@ -240,7 +242,7 @@ impl Interpreter for Siemens {
             self.defines = before.defines;
             self.settings = before.settings;
             self.frames.keep(before.frames);
-            self.held.actions = before.held.actions.into_iter().filter(actions::Waiting::stays).collect();
+            self.held.actions = before.held.actions.into_iter().filter(actions::ArmedAction::stays).collect();
         }
     }
 
@@ -248,12 +250,17 @@ impl Interpreter for Siemens {
         self.must_watch()
     }
 
-    fn cycle(&mut self, host: &mut dyn Host, program: (FileId, Range), blocks: &mut MadeBlocks) -> Result<bool, Halt> {
+    fn cycle(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        program: (FileId, ProgramRange),
+        blocks: &mut MadeBlocks,
+    ) -> Result<bool, Halt> {
         let outcome = self.hole(host, program, blocks);
         self.reported(host, outcome)
     }
 
-    fn on_call(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn InterpreterHost) {
         self.enter(host);
     }
 
@@ -261,14 +268,19 @@ impl Interpreter for Siemens {
         self.variables.again();
     }
 
-    fn on_return(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn InterpreterHost) {
         let outcome = self.leave(host);
         if let Err(halt) = self.reported(host, outcome) {
             self.halted = Some(halt);
         }
     }
 
-    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+    ) -> Result<Option<MacroValue>, Halt> {
         let outcome = self.definition_files(host);
         self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(None) };
@@ -276,7 +288,13 @@ impl Interpreter for Siemens {
         Ok(read.flatten().map(|data| data.value()))
     }
 
-    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+    fn set_variable(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        indices: &[f64],
+        value: &MacroValue,
+    ) -> Result<bool, Halt> {
         let outcome = self.definition_files(host);
         self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(false) };
@@ -284,7 +302,7 @@ impl Interpreter for Siemens {
         Ok(set.unwrap_or(false))
     }
 
-    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn InterpreterHost, name: &str, values: &[MacroValue]) -> SettingOutcome {
         self.settings.set(name, values)
     }
 

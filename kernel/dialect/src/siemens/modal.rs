@@ -7,19 +7,20 @@
 
 use std::sync::Arc;
 
-use super::calls::{Calling, PassedArgument};
-use super::left::Left;
-use super::line::Item;
+use super::calls::Calling;
+use super::left::SiemensRemainder;
+use super::line::SiemensItem;
 use super::syntax;
+use super::variable_store::PassedArgument;
 use super::{Outcome, Siemens};
-use crate::host::{Call, Host};
+use crate::host::{InterpreterHost, SubprogramCall};
 
 /// The program that blocks with path motion call.
 #[derive(Debug)]
-pub(super) struct Modal {
+pub(super) struct SiemensModalCall {
     /// Text that stays in the block if the name is not a subprogram.
     words: String,
-    call: Option<Call>,
+    call: Option<SubprogramCall>,
     passes: Option<u32>,
     given: Arc<Vec<PassedArgument>>,
     /// Subprograms that were running when it was programmed: variables of the caller are those of this level.
@@ -40,10 +41,10 @@ const CURVES: [u32; 9] = [2, 3, 33, 34, 35, 63, 331, 332, 335];
 
 impl Siemens {
     /// MCALL with the text after it.
-    pub(super) fn set_modal(&mut self, host: &mut dyn Host, items: &[Item]) -> Outcome<()> {
+    pub(super) fn set_modal(&mut self, host: &mut dyn InterpreterHost, items: &[SiemensItem]) -> Outcome<()> {
         self.modal = None;
         if !items.is_empty() {
-            let mut left = Left::default();
+            let mut left = SiemensRemainder::default();
             for item in items {
                 self.item(host, item, &mut left)?;
             }
@@ -56,14 +57,14 @@ impl Siemens {
                 not_called(host, items, &words)?;
             }
             let level = host.level();
-            self.modal = Some(Modal { words, call, passes, given, level });
+            self.modal = Some(SiemensModalCall { words, call, passes, given, level });
         }
         self.watch(host);
         Ok(())
     }
 
     /// Calls the program of MCALL if the block asks for it.
-    pub(super) fn call_modally(&mut self, host: &dyn Host, left: &mut Left) {
+    pub(super) fn call_modally(&mut self, host: &dyn InterpreterHost, left: &mut SiemensRemainder) {
         // A contour that a cycle reads does not move.
         if self.modal.is_none() || host.reads_contour() {
             return;
@@ -94,11 +95,11 @@ impl Siemens {
 }
 
 /// Refuses words after MCALL that neither call a subprogram nor are a code of the machine.
-fn not_called(host: &mut dyn Host, items: &[Item], words: &str) -> Outcome<()> {
-    match items.iter().find(|item| !matches!(item, Item::Passes(..))) {
+fn not_called(host: &mut dyn InterpreterHost, items: &[SiemensItem], words: &str) -> Outcome<()> {
+    match items.iter().find(|item| !matches!(item, SiemensItem::Passes(..))) {
         // A macro of the machine has taken or replaced the name.
-        Some(Item::Bare(name) | Item::Function(name, _)) if !words.contains(name.as_str()) => Ok(()),
-        Some(Item::Bare(name) | Item::Function(name, _)) => {
+        Some(SiemensItem::Bare(name) | SiemensItem::Function(name, _)) if !words.contains(name.as_str()) => Ok(()),
+        Some(SiemensItem::Bare(name) | SiemensItem::Function(name, _)) => {
             if host.is_code_text(name) || host.is_register(&format!("{name}(")) {
                 return Ok(());
             }
@@ -123,7 +124,7 @@ fn code(word: &str) -> Option<u32> {
 }
 
 /// Whether the block has path motion, or an equivalent.
-fn asks(host: &dyn Host, left: &Left) -> bool {
+fn asks(host: &dyn InterpreterHost, left: &SiemensRemainder) -> bool {
     let mut axis = left.moves;
     let (mut rates, mut straight, mut curve, mut others) = (false, false, false, false);
     for word in words(&left.words) {

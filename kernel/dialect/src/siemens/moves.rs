@@ -4,15 +4,15 @@
 //! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* every
 //! ignored statement is reported.
 
-use super::expression::{Argument, Expression, Name};
-use super::left::Left;
-use super::line::Assigned;
+use super::expression::{Expression, IndexedName, SiemensArgument};
+use super::left::SiemensRemainder;
+use super::line::AssignmentValue;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// A setting of the dynamics of an axis, in per cent of those of the machine, changes nothing.
-pub(super) fn ignore_dynamics(host: &mut dyn Host, asked: &str) {
+pub(super) fn ignore_dynamics(host: &mut dyn InterpreterHost, asked: &str) {
     let text = format!(
         "{asked} is ignored in '{}': moves take the time that the dynamics of the machine allow",
         host.block_text()
@@ -24,12 +24,12 @@ impl Siemens {
     /// `G[group]=n`: the function of a G group with this number.
     pub(super) fn indirect_function(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         group: &Expression,
-        value: &Assigned,
-        left: &mut Left,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
     ) -> Outcome<()> {
-        let Assigned::One(value, _) = value else { return syntax("G[…] takes the number of a function") };
+        let AssignmentValue::One(value, _) = value else { return syntax("G[…] takes the number of a function") };
         let group = super::evaluate::number(&self.evaluate(host, group)?)?;
         let number = super::evaluate::number(&self.evaluate(host, value)?)?;
         match super::groups::written(group as i64, number as i64)
@@ -42,7 +42,7 @@ impl Siemens {
     }
 
     /// FGROUP: the axes that F counts for, by default the geometry axes; all others move along.
-    pub(super) fn feed_group(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    pub(super) fn feed_group(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let mut letters = Vec::new();
         for argument in arguments.iter().filter(|argument| !argument.text.trim().is_empty()) {
             let axis = self.axis_argument(host, argument)?;
@@ -56,12 +56,17 @@ impl Siemens {
     }
 
     /// FGREF[axis]: the radius at which F counts the travel of a rotary axis.
-    pub(super) fn feed_radius(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
+    pub(super) fn feed_radius(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+    ) -> Outcome<bool> {
         let axis = self.axis_of(host, name)?.text();
         let Some(letter) = host.axis_letter(&axis).map(str::to_owned) else {
             return wrong_type(format!("the channel has no axis {axis}"));
         };
-        let Assigned::One(value, _) = value else { return syntax("FGREF takes a radius") };
+        let AssignmentValue::One(value, _) = value else { return syntax("FGREF takes a radius") };
         let radius = super::evaluate::number(&self.evaluate(host, value)?)?;
         if radius.is_nan() || radius <= 0.0 {
             return wrong_type(format!("the radius {radius} of FGREF is not above 0"));

@@ -14,12 +14,12 @@
 
 use super::aims::Vector;
 use super::evaluate::number;
-use super::expression::Argument;
-use super::frame::Frame;
-use super::left::Left;
+use super::expression::SiemensArgument;
+use super::frame::SiemensFrame;
+use super::left::SiemensRemainder;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_machine::ident::codes;
 
 /// Addresses of a direction, as the machine's tables know it.
@@ -53,14 +53,14 @@ fn then(outer: &Rows, inner: &Rows) -> Rows {
 }
 
 /// Whether the machine has directions of the tool.
-pub(super) fn has_directions(host: &dyn Host) -> bool {
+pub(super) fn has_directions(host: &dyn InterpreterHost) -> bool {
     host.is_register("A3=")
 }
 
 /// Angles of a turn about X, Y and Z, as ROT takes them.
 fn angles_of(rows: &Rows) -> Option<[f64; 3]> {
     let [[a, b, c], [d, e, f], [g, h, i]] = *rows;
-    let frame = Frame::from_numbers(&[a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0])?;
+    let frame = SiemensFrame::from_numbers(&[a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0])?;
     frame.parts().map(|parts| parts.angles)
 }
 
@@ -81,7 +81,7 @@ fn words(key: &str, names: [&str; 3], values: [f64; 3]) -> String {
 
 impl Siemens {
     /// Rewrites directions by angles and frames by directions.
-    pub(super) fn orient(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+    pub(super) fn orient(&mut self, host: &mut dyn InterpreterHost, left: &mut SiemensRemainder) -> Outcome<()> {
         if left.aims.is_none() && !self.held.turning.acts() && !may_orient(&left.words) {
             return Ok(());
         }
@@ -122,10 +122,10 @@ impl Siemens {
     /// ORIRESET: rotary axes go to the initial position of the tool; whether it is that.
     pub(super) fn reset_orientation(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        arguments: &[Argument],
-        left: &mut Left,
+        arguments: &[SiemensArgument],
+        left: &mut SiemensRemainder,
     ) -> Outcome<bool> {
         if name != "ORIRESET" || !has_directions(host) {
             return Ok(false);
@@ -152,7 +152,7 @@ impl Siemens {
     }
 
     /// ROTS and AROTS: a rotation by two space angles.
-    fn space_angles(&mut self, left: &mut Left, key: &str) -> Outcome<()> {
+    fn space_angles(&mut self, left: &mut SiemensRemainder, key: &str) -> Outcome<()> {
         let mut given = [None; 3];
         for word in left.words.split(' ').filter(|word| *word != key && !is_number(word)) {
             let place = AXES.iter().zip(&mut given).find_map(|(name, slot)| Some((slot, word.strip_prefix(name)?)));
@@ -176,7 +176,7 @@ impl Siemens {
     }
 
     /// TOFRAME and TOROT: the programmable frame along the tool, or no longer so.
-    fn tool_frame(&mut self, host: &mut dyn Host, left: &mut Left, key: &str) -> Outcome<()> {
+    fn tool_frame(&mut self, host: &mut dyn InterpreterHost, left: &mut SiemensRemainder, key: &str) -> Outcome<()> {
         if left.words.split(' ').any(|word| word != key) {
             return syntax(format!("{key} stands in a block of its own"));
         }

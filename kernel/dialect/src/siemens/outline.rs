@@ -7,26 +7,28 @@ use rustc_hash::FxHashSet;
 
 use super::expression::{self, Expression, as_name};
 use super::jumps::{is_head, shown};
-use super::line::{Assigned, Direction, Item, Jump, Label, Line, Structure, read};
+use super::line::{
+    AssignmentValue, JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure, read,
+};
 use super::run::skipped;
 use super::value::Data;
 use super::{Outcome, Siemens};
-use crate::host::Programs;
-use crate::outline::{Argument, Called, Goal, Named, Reader, Step};
+use crate::host::ProgramHost;
+use crate::outline::{CallOutline, JumpDestination, NamedStatement, OutlineReader, OutlineStep, StatementArgument};
 use crate::text::without_comment;
 use counterpoint_event::FileId;
-use counterpoint_program::search::Search;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::search::LabelSearchOrder;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 /// The reader, with the declarations of the blocks so far.
 #[derive(Debug, Default)]
-pub(super) struct Outlines {
+pub(super) struct SiemensOutlineReader {
     siemens: Siemens,
     declared: FxHashSet<String>,
 }
 
-type Found = Option<(FileId, Range)>;
+type Found = Option<(FileId, ProgramRange)>;
 
 /// Words without G codes that the interpreter rewrites as functions.
 fn without_rewritten(text: &str) -> Vec<u8> {
@@ -45,21 +47,21 @@ fn without_rewritten(text: &str) -> Vec<u8> {
     words
 }
 
-impl Reader for Outlines {
-    fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
+impl OutlineReader for SiemensOutlineReader {
+    fn outline(&mut self, programs: &mut dyn ProgramHost, text: &[u8]) -> Vec<OutlineStep> {
         let text = String::from_utf8_lossy(text);
         let Some(text) = skipped(programs, &text).filter(|text| !is_head(text)) else { return Vec::new() };
         match read(without_comment(text)) {
             Ok(line) => self.line(programs, &line),
-            Err(text) => vec![Step::Mistake(text)],
+            Err(text) => vec![OutlineStep::Mistake(text)],
         }
     }
 }
 
-impl Outlines {
-    fn line(&mut self, programs: &mut dyn Programs, line: &Line) -> Vec<Step> {
+impl SiemensOutlineReader {
+    fn line(&mut self, programs: &mut dyn ProgramHost, line: &SiemensLine) -> Vec<OutlineStep> {
         let passes = line.items.iter().find_map(|item| match item {
-            Item::Passes(passes, _) => Some(passes.as_constant().and_then(Data::number)),
+            SiemensItem::Passes(passes, _) => Some(passes.as_constant().and_then(Data::number)),
             _ => None,
         });
         let passes = match passes {
@@ -68,19 +70,25 @@ impl Outlines {
         };
         let mut steps = Vec::new();
         for (at, item) in line.items.iter().enumerate() {
-            if let Item::If(_, Some(jump)) = item {
-                steps.push(Step::Branch(self.goal(programs, jump)));
-                let rest = Line { items: line.items.get(at + 1..).unwrap_or_default().to_vec(), ..Line::default() };
+            if let SiemensItem::If(_, Some(jump)) = item {
+                steps.push(OutlineStep::Branch(self.goal(programs, jump)));
+                let rest = SiemensLine {
+                    items: line.items.get(at + 1..).unwrap_or_default().to_vec(),
+                    ..SiemensLine::default()
+                };
                 if !rest.items.is_empty() {
-                    steps.push(Step::If(self.line(programs, &rest)));
+                    steps.push(OutlineStep::If(self.line(programs, &rest)));
                 }
                 break;
             }
-            if matches!(item, Item::Modal) {
-                let rest = Line { items: line.items.get(at + 1..).unwrap_or_default().to_vec(), ..Line::default() };
+            if matches!(item, SiemensItem::Modal) {
+                let rest = SiemensLine {
+                    items: line.items.get(at + 1..).unwrap_or_default().to_vec(),
+                    ..SiemensLine::default()
+                };
                 // Alone it ends the calls.
                 if !rest.items.is_empty() {
-                    steps.push(Step::Modal(self.line(programs, &rest)));
+                    steps.push(OutlineStep::Modal(self.line(programs, &rest)));
                 }
                 break;
             }
@@ -89,142 +97,152 @@ impl Outlines {
         steps
     }
 
-    fn item(&mut self, programs: &mut dyn Programs, item: &Item, passes: Option<u32>, steps: &mut Vec<Step>) {
+    fn item(
+        &mut self,
+        programs: &mut dyn ProgramHost,
+        item: &SiemensItem,
+        passes: Option<u32>,
+        steps: &mut Vec<OutlineStep>,
+    ) {
         match item {
-            Item::Text(text) => steps.push(Step::Words(without_rewritten(text))),
-            Item::Set { name, value: Assigned::One(value, _), .. }
+            SiemensItem::Text(text) => steps.push(OutlineStep::Words(without_rewritten(text))),
+            SiemensItem::Set { name, value: AssignmentValue::One(value, _), .. }
                 if name.name.len() == 1
                     && name.name != "R"
                     && name.index.is_empty()
                     && let Some(number) = value.as_constant().and_then(Data::number) =>
             {
-                steps.push(Step::Words(format!("{}{number}", name.name).into_bytes()));
+                steps.push(OutlineStep::Words(format!("{}{number}", name.name).into_bytes()));
             }
-            Item::Set { name, value, .. } => {
-                let constant =
-                    matches!(value, Assigned::One(value, _) if value.as_constant().is_some()) || name.name.len() > 3;
+            SiemensItem::Set { name, value, .. } => {
+                let constant = matches!(value, AssignmentValue::One(value, _) if value.as_constant().is_some())
+                    || name.name.len() > 3;
                 if !constant {
-                    steps.push(Step::Computed(name.name.clone()));
+                    steps.push(OutlineStep::Computed(name.name.clone()));
                 }
             }
-            Item::Bare(written) => {
+            SiemensItem::Bare(written) => {
                 let name = written.to_ascii_uppercase();
                 steps.push(self.named(programs, name, Vec::new(), passes));
             }
-            Item::Function(name, arguments) => {
+            SiemensItem::Function(name, arguments) => {
                 let arguments = arguments.iter().map(|argument| self.argument(argument)).collect();
                 steps.push(self.named(programs, name.clone(), arguments, passes));
             }
-            Item::Program(name) => {
+            SiemensItem::Program(name) => {
                 let place = self.program(programs, name);
-                steps.push(Step::Call(Called { name: name.clone(), place, passes }));
+                steps.push(OutlineStep::Call(CallOutline { name: name.clone(), place, passes }));
             }
-            Item::CallText { name, section: None, .. } => match name.as_constant() {
+            SiemensItem::CallText { name, section: None, .. } => match name.as_constant() {
                 Some(Data::Text(path)) => {
                     let place = settled(self.siemens.program_by_path(programs, path.trim()));
-                    steps.push(Step::Call(Called { name: path.trim().to_owned(), place, passes }));
+                    steps.push(OutlineStep::Call(CallOutline { name: path.trim().to_owned(), place, passes }));
                 }
-                _ => steps.push(Step::Hidden("the name of the program that is called is computed".to_owned())),
+                _ => steps.push(OutlineStep::Hidden("the name of the program that is called is computed".to_owned())),
             },
-            Item::CallText { .. } => steps.push(Step::Hidden("a part of a program is called".to_owned())),
-            Item::Return(_, false) => steps.push(Step::Return),
-            Item::Return(_, true) => steps.push(Step::Hidden("the return goes to another block".to_owned())),
-            Item::Define(name, _) => steps.push(Step::Hidden(format!("DEFINE gives {name} another meaning"))),
-            Item::Declare(declaration) | Item::Redeclare(declaration) => {
+            SiemensItem::CallText { .. } => steps.push(OutlineStep::Hidden("a part of a program is called".to_owned())),
+            SiemensItem::Return(_, false) => steps.push(OutlineStep::Return),
+            SiemensItem::Return(_, true) => {
+                steps.push(OutlineStep::Hidden("the return goes to another block".to_owned()))
+            }
+            SiemensItem::Define(name, _) => {
+                steps.push(OutlineStep::Hidden(format!("DEFINE gives {name} another meaning")))
+            }
+            SiemensItem::Declare(declaration) | SiemensItem::Redeclare(declaration) => {
                 self.declared.extend(declaration.variables.iter().map(|variable| variable.name.to_ascii_uppercase()));
             }
-            Item::Header(header) => {
+            SiemensItem::Header(header) => {
                 self.declared.extend(header.parameters.iter().map(|parameter| parameter.name.to_ascii_uppercase()));
             }
-            Item::If(_, Some(jump)) => steps.push(Step::Branch(self.goal(programs, jump))),
-            Item::Goto(jump) => steps.push(Step::Jump(self.goal(programs, jump))),
-            Item::Case(_, cases, default) => {
+            SiemensItem::If(_, Some(jump)) => steps.push(OutlineStep::Branch(self.goal(programs, jump))),
+            SiemensItem::Goto(jump) => steps.push(OutlineStep::Jump(self.goal(programs, jump))),
+            SiemensItem::Case(_, cases, default) => {
                 let jumps = cases.iter().map(|(_, jump)| jump).chain(default);
-                steps.extend(jumps.map(|jump| Step::Branch(self.goal(programs, jump))));
+                steps.extend(jumps.map(|jump| OutlineStep::Branch(self.goal(programs, jump))));
             }
-            Item::If(_, None)
-            | Item::For(..)
-            | Item::While(_)
-            | Item::Structure(Structure::Loop | Structure::Repeat | Structure::Else) => {
-                let loops = !matches!(item, Item::If(..) | Item::Structure(Structure::Else));
+            SiemensItem::If(_, None)
+            | SiemensItem::For(..)
+            | SiemensItem::While(_)
+            | SiemensItem::Structure(Structure::Loop | Structure::Repeat | Structure::Else) => {
+                let loops = !matches!(item, SiemensItem::If(..) | SiemensItem::Structure(Structure::Else));
                 steps.push(self.block(programs, loops));
             }
-            Item::RepeatPart { first, last, passes, one_block } => {
+            SiemensItem::RepeatPart { first, last, passes, one_block } => {
                 steps.push(self.part(programs, (first, last.as_ref()), passes.as_ref(), *one_block));
             }
-            Item::Synchronised(action) if action.coordinates() => {
-                steps.push(Step::Hidden("a synchronised action does something for other channels".to_owned()));
+            SiemensItem::Synchronised(action) if action.coordinates() => {
+                steps.push(OutlineStep::Hidden("a synchronised action does something for other channels".to_owned()));
             }
-            Item::Synchronised(_)
-            | Item::Modal
-            | Item::Passes(..)
-            | Item::External(_)
-            | Item::Message(_)
-            | Item::Until(_)
-            | Item::Structure(_)
-            | Item::Shared { .. } => {}
+            SiemensItem::Synchronised(_)
+            | SiemensItem::Modal
+            | SiemensItem::Passes(..)
+            | SiemensItem::External(_)
+            | SiemensItem::Message(_)
+            | SiemensItem::Until(_)
+            | SiemensItem::Structure(_)
+            | SiemensItem::Shared { .. } => {}
         }
     }
 
     /// The loop or branch that begins here.
-    fn block(&mut self, programs: &dyn Programs, loops: bool) -> Step {
+    fn block(&mut self, programs: &dyn ProgramHost, loops: bool) -> OutlineStep {
         let place = programs.place();
         match self.siemens.places(programs, place.file).partners.get(&place.line) {
-            Some(partners) => Step::Block { end: Spot::line(partners.last), loops },
-            None => Step::Mistake("the loop or branch has no matching statement".to_owned()),
+            Some(partners) => OutlineStep::Block { end: BlockStart::line(partners.last), loops },
+            None => OutlineStep::Mistake("the loop or branch has no matching statement".to_owned()),
         }
     }
 
     fn named(
         &mut self,
-        programs: &mut dyn Programs,
+        programs: &mut dyn ProgramHost,
         name: String,
-        arguments: Vec<Argument>,
+        arguments: Vec<StatementArgument>,
         passes: Option<u32>,
-    ) -> Step {
+    ) -> OutlineStep {
         let program = match arguments.get(1) {
-            Some(Argument::Text(path)) => settled(self.siemens.program_by_path(programs, path.trim())),
+            Some(StatementArgument::Text(path)) => settled(self.siemens.program_by_path(programs, path.trim())),
             _ => None,
         };
         let program = program.or_else(|| self.program(programs, &name));
-        Step::Named(Named { name, arguments, program, passes })
+        OutlineStep::Named(NamedStatement { name, arguments, program, passes })
     }
 
-    fn program(&mut self, programs: &mut dyn Programs, name: &str) -> Found {
+    fn program(&mut self, programs: &mut dyn ProgramHost, name: &str) -> Found {
         settled(self.siemens.program(programs, name))
     }
 
-    fn argument(&self, argument: &expression::Argument) -> Argument {
-        let Ok(Some(expression)) = &argument.value else { return Argument::Computed };
+    fn argument(&self, argument: &expression::SiemensArgument) -> StatementArgument {
+        let Ok(Some(expression)) = &argument.value else { return StatementArgument::Computed };
         match (expression.as_constant(), as_name(expression)) {
-            (Some(Data::Text(text)), _) => Argument::Text(text.clone()),
-            (Some(value), _) => value.number().map_or(Argument::Computed, Argument::Number),
+            (Some(Data::Text(text)), _) => StatementArgument::Text(text.clone()),
+            (Some(value), _) => value.number().map_or(StatementArgument::Computed, StatementArgument::Number),
             (None, Some(name)) if name.index.is_empty() && !self.declared.contains(&name.name) => {
-                Argument::Name(name.name.clone())
+                StatementArgument::Name(name.name.clone())
             }
-            _ => Argument::Computed,
+            _ => StatementArgument::Computed,
         }
     }
 
     /// Where a jump leads.
-    fn goal(&mut self, programs: &dyn Programs, jump: &Jump) -> Goal {
+    fn goal(&mut self, programs: &dyn ProgramHost, jump: &SiemensJump) -> JumpDestination {
         let place = programs.place();
         let places = self.siemens.places(programs, place.file);
         let around = places.program(place.range, place.line);
         let search = match jump.direction {
-            Direction::Start => return Goal::At(Spot::line(around.0)),
-            Direction::Forward => Search::Forward,
-            Direction::Back => Search::Back,
-            Direction::Either | Direction::Silent => Search::Around,
+            JumpDirection::Start => return JumpDestination::At(BlockStart::line(around.0)),
+            JumpDirection::Forward => LabelSearchOrder::Forward,
+            JumpDirection::Back => LabelSearchOrder::Back,
+            JumpDirection::Either | JumpDirection::Silent => LabelSearchOrder::Around,
         };
         match &jump.target {
-            Label::Value(_) => Goal::Computed,
-            Label::Name(name) if self.declared.contains(name) => Goal::Computed,
+            SiemensJumpTarget::Value(_) => JumpDestination::Computed,
+            SiemensJumpTarget::Name(name) if self.declared.contains(name) => JumpDestination::Computed,
             label => match places.find(label, search, place.line, around) {
-                Some(line) => Goal::At(Spot::line(line)),
+                Some(line) => JumpDestination::At(BlockStart::line(line)),
                 // A target that GOTOC does not find is ignored.
-                None if jump.direction == Direction::Silent => Goal::At(Spot::line(place.line)),
-                None => Goal::Missing(shown(label)),
+                None if jump.direction == JumpDirection::Silent => JumpDestination::At(BlockStart::line(place.line)),
+                None => JumpDestination::Missing(shown(label)),
             },
         }
     }
@@ -232,19 +250,21 @@ impl Outlines {
     /// REPEAT and REPEATB of a part of the program.
     fn part(
         &mut self,
-        programs: &dyn Programs,
-        (first, last): (&Label, Option<&Label>),
+        programs: &dyn ProgramHost,
+        (first, last): (&SiemensJumpTarget, Option<&SiemensJumpTarget>),
         passes: Option<&Expression>,
         one_block: bool,
-    ) -> Step {
+    ) -> OutlineStep {
         let place = programs.place();
         let places = self.siemens.places(programs, place.file);
         let around = places.program(place.range, place.line);
-        let find = |label: &Label| match label {
-            Label::Value(_) => Err(Step::Hidden("the label of the part that is repeated is computed".to_owned())),
+        let find = |label: &SiemensJumpTarget| match label {
+            SiemensJumpTarget::Value(_) => {
+                Err(OutlineStep::Hidden("the label of the part that is repeated is computed".to_owned()))
+            }
             label => places
-                .find(label, Search::BackThenForward, place.line, around)
-                .ok_or_else(|| Step::Jump(Goal::Missing(shown(label)))),
+                .find(label, LabelSearchOrder::BackThenForward, place.line, around)
+                .ok_or_else(|| OutlineStep::Jump(JumpDestination::Missing(shown(label)))),
         };
         let range = find(first).and_then(|from| {
             let to = match last {
@@ -252,7 +272,7 @@ impl Outlines {
                 Some(last) => find(last)?,
                 None => {
                     let before = place.line.saturating_sub(1);
-                    let end = places.labels.find("ENDLABEL", Search::FromTop, place.line, (from, before));
+                    let end = places.labels.find("ENDLABEL", LabelSearchOrder::FromTop, place.line, (from, before));
                     end.unwrap_or(before)
                 }
             };
@@ -264,8 +284,8 @@ impl Outlines {
                     None => Some(1),
                     Some(passes) => passes.as_constant().and_then(Data::number).and_then(whole),
                 };
-                let place = Some((place.file, Range { number: None, first: from, last: to }));
-                Step::Call(Called { name: shown(first), place, passes })
+                let place = Some((place.file, ProgramRange { number: None, first: from, last: to }));
+                OutlineStep::Call(CallOutline { name: shown(first), place, passes })
             }
             Err(step) => step,
         }

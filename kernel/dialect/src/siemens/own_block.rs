@@ -5,7 +5,7 @@
 //! WAITM, WAITMC), WAITS, FGROUP, MSG, STOPRE and calls of the user's subprograms are not refused: they occur beside
 //! moves. *Invariant:* a block that is refused moves nothing.
 
-use super::line::Item;
+use super::line::SiemensItem;
 
 /// Procedures of the control.
 const PROCEDURES: [&str; 22] = [
@@ -17,16 +17,16 @@ const PROCEDURES: [&str; 22] = [
 const CYCLES: [&str; 6] = ["CYCLE", "HOLES", "POCKET", "SLOT", "LONGHOLE", "GROUP_"];
 
 /// The statement and the axis word that cannot be in one block.
-pub(super) fn axis_beside_statement(items: &[Item]) -> Option<(String, String)> {
+pub(super) fn axis_beside_statement(items: &[SiemensItem]) -> Option<(String, String)> {
     let statement = items.iter().find_map(|item| match item {
-        Item::Function(name, _) | Item::Bare(name) => {
+        SiemensItem::Function(name, _) | SiemensItem::Bare(name) => {
             Some(name.to_ascii_uppercase()).filter(|name| takes_no_axes(name))
         }
         _ => None,
     })?;
     let axis = items.iter().find_map(|item| match item {
-        Item::Text(text) if is_axis(text) => Some(text.clone()),
-        Item::Set { name, .. } if is_axis(&name.name) => Some(name.name.clone()),
+        SiemensItem::Text(text) if is_axis(text) => Some(text.clone()),
+        SiemensItem::Set { name, .. } if is_axis(&name.name) => Some(name.name.clone()),
         _ => None,
     })?;
     Some((statement, axis))

@@ -3,9 +3,9 @@
 //! *Invariant:* the parts cover the words, unless other words have replaced them or joined them. A word that replaces
 //! others has the place of the word with its name, otherwise that of the whole block.
 
-use super::line::Line;
+use super::line::SiemensLine;
 use super::value::is_number;
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use crate::interpreter::Remaining;
 use crate::words::{Leaving, LeftValue, Meanings, Span, part, span};
 use counterpoint_machine::index::RegisterId;
@@ -34,7 +34,7 @@ struct NumberWord {
 
 /// Parts of the remaining words in their order.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct RemainderParts {
     parts: Vec<LeftPart>,
     /// The last word with a number.
     number: Option<NumberWord>,
@@ -42,14 +42,14 @@ pub(super) struct Places {
     pub(super) replaced: bool,
 }
 
-impl Line {
+impl SiemensLine {
     /// The place of an item in the block.
     pub(super) fn place(&self, item: usize) -> Option<Span> {
         self.places.get(item + 1).copied()
     }
 }
 
-impl Places {
+impl RemainderParts {
     /// Gives the words up to `end` that no part covers this place.
     pub(super) fn put(&mut self, end: usize, place: Option<Span>) {
         let last = self.parts.last().map_or(0, |part| part.end);
@@ -83,12 +83,12 @@ impl Places {
     }
 
     /// Adds the words to the block.
-    pub(super) fn push(&self, host: &mut dyn Host, words: &str, block: &[u8]) {
+    pub(super) fn push(&self, host: &mut dyn InterpreterHost, words: &str, block: &[u8]) {
         self.parts(words).for_each(|(text, part)| put(host, text, block, (part.place, part.number)));
     }
 
     /// Adds words that replace those of the block.
-    pub(super) fn push_made(&self, host: &mut dyn Host, meanings: &mut Meanings, words: &str, block: &[u8]) {
+    pub(super) fn push_made(&self, host: &mut dyn InterpreterHost, meanings: &mut Meanings, words: &str, block: &[u8]) {
         let begin = block.len() - block.trim_ascii_start().len();
         let whole = span(begin, begin + block.trim_ascii().len());
         let mut places: Vec<Span> = self.parts.iter().map(|part| part.place).collect();
@@ -162,7 +162,7 @@ pub(super) fn are_plain(words: &str) -> bool {
 }
 
 /// Adds the number of a block.
-pub(super) fn push_block_number(host: &mut dyn Host, line: &Line, block: &[u8]) {
+pub(super) fn push_block_number(host: &mut dyn InterpreterHost, line: &SiemensLine, block: &[u8]) {
     let Some(number) = line.number.as_ref().filter(|_| host.is_register("N")) else { return };
     let place = line.places.first().copied().unwrap_or_default();
     put(host, &format!("N{number}"), block, (place, None));
@@ -170,7 +170,12 @@ pub(super) fn push_block_number(host: &mut dyn Host, line: &Line, block: &[u8]) 
 
 /// Leaves blocks as text, which replaces the text of the block: the tables of the machine know texts with brackets and
 /// quotation marks as a whole.
-pub(super) fn leave_as_text(host: &mut dyn Host, line: &Line, before: &[String], words: &str) -> Remaining {
+pub(super) fn leave_as_text(
+    host: &mut dyn InterpreterHost,
+    line: &SiemensLine,
+    before: &[String],
+    words: &str,
+) -> Remaining {
     let mut text = String::new();
     let mut spans = Vec::new();
     for words in before.iter().map(String::as_str).chain([words]).filter(|words| !words.is_empty()) {
@@ -199,7 +204,7 @@ fn is_part(text: &str, block: &[u8], (start, end): Span) -> bool {
 
 /// Adds a part to the block: as a place of the block if the block has the same text there, otherwise as a value or as a
 /// written word.
-fn put(host: &mut dyn Host, text: &str, block: &[u8], (place, number): (Span, Option<(Register, usize)>)) {
+fn put(host: &mut dyn InterpreterHost, text: &str, block: &[u8], (place, number): (Span, Option<(Register, usize)>)) {
     let value = number.and_then(|(register, at)| Some((register, text.get(at..)?)));
     if is_part(text, block, place) {
         host.push_plain(block, place);

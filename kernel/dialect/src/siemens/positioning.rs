@@ -8,11 +8,11 @@
 //! move of the block. Limits of single axes have no effect, with a warning if they would change times. *Invariant:*
 //! group 1, the type of the feed and F of the path do not change.
 
-use super::expression::{Argument, Name, as_name};
-use super::left::Left;
-use super::line::Assigned;
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use super::expression::{IndexedName, SiemensArgument, as_name};
+use super::left::SiemensRemainder;
+use super::line::AssignmentValue;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// The word for the machine's tables that ends blocks with POS.
@@ -30,10 +30,10 @@ impl Siemens {
     /// POS, POSA or FA of an axis; whether it is one.
     pub(super) fn positions(
         &mut self,
-        host: &mut dyn Host,
-        name: &Name,
-        value: &Assigned,
-        left: &mut Left,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
     ) -> Outcome<bool> {
         let [_] = name.index.as_slice() else { return Ok(false) };
         if name.name == "FGREF" {
@@ -50,7 +50,7 @@ impl Siemens {
             return wrong_type(format!("the channel has no axis {axis}"));
         };
         if name.name == "FA" {
-            let Assigned::One(value, _) = value else { return syntax("FA takes a feed") };
+            let AssignmentValue::One(value, _) = value else { return syntax("FA takes a feed") };
             let feed = super::evaluate::number(&self.evaluate(host, value)?)?;
             if feed < 0.0 {
                 return wrong_type(format!("the feed {feed} of axis {axis} is below 0 (alarm 14810)"));
@@ -60,10 +60,10 @@ impl Siemens {
         }
         if turned(host) && matches!(letter.as_str(), "X" | "Y" | "Z") {
             let text = format!("{} of the geometry axis {axis} in a frame that is turned (alarm 16430)", name.name);
-            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+            return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
         }
-        let mut words = Left::counting_as(left);
-        self.word(host, &Name { name: letter.clone(), index: Vec::new() }, value, &mut words)?;
+        let mut words = SiemensRemainder::counting_as(left);
+        self.word(host, &IndexedName { name: letter.clone(), index: Vec::new() }, value, &mut words)?;
         let written = words.words.strip_prefix(letter.as_str()).map(|value| value.trim_start_matches('='));
         let Some(value) = written.and_then(|value| value.parse::<f64>().ok()) else {
             return wrong_type(format!("{} is not a position of axis {axis}", words.words));
@@ -77,7 +77,7 @@ impl Siemens {
         });
         if left.beside.iter().any(|(other, _)| *other == letter) {
             let text = format!("{} of axis {axis} is there twice in the block (alarm 16420)", name.name);
-            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+            return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
         }
         left.beside.push((letter, to));
         Ok(true)
@@ -85,7 +85,7 @@ impl Siemens {
 
     /// Moves the positioning axes of the block; FA may be anywhere in the block. Moves that compensation holds back are
     /// made without them.
-    pub(super) fn go_to_positions(&self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+    pub(super) fn go_to_positions(&self, host: &mut dyn InterpreterHost, left: &mut SiemensRemainder) -> Outcome<()> {
         if left.beside.is_empty() {
             return Ok(());
         }
@@ -93,7 +93,7 @@ impl Siemens {
             if left.words.split(' ').any(|word| is_word_of(word, letter)) {
                 let text =
                     format!("axis {letter} has a word and POS in the same block; program one of them (alarm 16420)");
-                return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+                return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
             }
             let feed = self.held.axis_feeds.get(letter).copied().filter(|feed| *feed > 0.0);
             host.go_beside(letter, *to, feed);
@@ -107,7 +107,7 @@ impl Siemens {
     }
 
     /// A limit of an axis or a spindle.
-    fn limit(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
+    fn limit(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName, value: &AssignmentValue) -> Outcome<bool> {
         let is_spindle = name.index.first().and_then(as_name).is_some_and(|index| {
             let number = index.name.strip_prefix('S');
             number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
@@ -119,7 +119,7 @@ impl Siemens {
                 return wrong_type(format!("the channel has no axis {axis}"));
             }
         }
-        let Assigned::One(value, _) = value else { return syntax(format!("{} takes a number", name.name)) };
+        let AssignmentValue::One(value, _) = value else { return syntax(format!("{} takes a number", name.name)) };
         super::evaluate::number(&self.evaluate(host, value)?)?;
         if name.name != "ATOL" {
             let asked = self.written(host, name)?;
@@ -129,7 +129,12 @@ impl Siemens {
     }
 
     /// WAITP(axis, …): the axes are where they were to go. Whether it is one.
-    pub(super) fn waits_for_axes(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+    pub(super) fn waits_for_axes(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<bool> {
         if name != "WAITP" || !host.is_code_text(ARRIVE) {
             return Ok(false);
         }
@@ -146,7 +151,11 @@ impl Siemens {
     }
 
     /// The name of the axis that an argument gives, by itself or as a value.
-    pub(super) fn axis_argument(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<String> {
+    pub(super) fn axis_argument(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        argument: &SiemensArgument,
+    ) -> Outcome<String> {
         Ok(match &argument.value {
             Ok(Some(expression)) => match as_name(expression) {
                 Some(name) if name.index.is_empty() && !self.variables.knows(&name.name) => name.name.clone(),
@@ -158,7 +167,7 @@ impl Siemens {
 }
 
 /// Whether the programmable frame is turned.
-fn turned(host: &dyn Host) -> bool {
+fn turned(host: &dyn InterpreterHost) -> bool {
     let frame = host.local_frame();
     (0..3).any(|row| {
         (0..3).any(|column| row != column && frame.get(row * 4 + column).is_some_and(|cell| cell.abs() > 1e-9))

@@ -10,13 +10,13 @@
 //! of column 7 are left out with them. *Invariant:* a table that cannot hold the contour is an alarm before anything is
 //! written.
 
-use super::expression::{Argument, as_name};
+use super::expression::{SiemensArgument, as_name};
 use super::jumps::bare;
-use super::line::{Item, read};
+use super::line::{SiemensItem, read};
 use super::value::{Data, Type};
-use super::variables::Target;
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use super::variable_store::VariableElement;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_motion::contour::element::Element;
 
@@ -30,9 +30,9 @@ const NOISE: f64 = 1e-7;
 /// A CONTPRON whose EXECUTE is still to come.
 #[derive(Debug)]
 pub(super) struct Preparation {
-    table: Target,
+    table: VariableElement,
     /// Variable for the number of relief cuts.
-    relief: Target,
+    relief: VariableElement,
     /// Cuts along the ordinate (N, P), otherwise along the abscissa (L, G).
     face: bool,
     /// The part lies inside (G, N).
@@ -40,12 +40,17 @@ pub(super) struct Preparation {
 }
 
 fn conditions<T>(text: impl std::fmt::Display) -> Outcome<T> {
-    Err(Fault::Alarm(&diag::SIEMENS_STATE, format!("{text} (alarm 15800)")))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, format!("{text} (alarm 15800)")))
 }
 
 impl Siemens {
     /// Executes CONTPRON or EXECUTE; returns whether the statement is one of them.
-    pub(super) fn preparation(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+    pub(super) fn preparation(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<bool> {
         match name {
             "CONTPRON" => self.prepare_contour(host, arguments).map(|()| true),
             "EXECUTE" => self.end_preparation(host, arguments).map(|()| true),
@@ -53,7 +58,7 @@ impl Siemens {
         }
     }
 
-    fn prepare_contour(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn prepare_contour(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         if host.reads_contour() || self.held.preparation.is_some() {
             return conditions("CONTPRON stands behind another CONTPRON without EXECUTE between them");
         }
@@ -100,14 +105,14 @@ impl Siemens {
     }
 
     /// Line of the EXECUTE that ends the contour of this block.
-    fn end_of_preparation(&mut self, host: &mut dyn Host) -> Outcome<u32> {
+    fn end_of_preparation(&mut self, host: &mut dyn InterpreterHost) -> Outcome<u32> {
         let place = host.place();
         let source = host.source(place.file);
         let is_end = |line: u32| {
             let text = source.as_ref().map(|source| String::from_utf8_lossy(source.line(line)).into_owned());
             let line = text.and_then(|text| read(bare(&text)).ok());
             line.is_some_and(|line| {
-                line.items.iter().any(|item| matches!(item, Item::Function(name, _) if name == "EXECUTE"))
+                line.items.iter().any(|item| matches!(item, SiemensItem::Function(name, _) if name == "EXECUTE"))
             })
         };
         let last = place.range.last;
@@ -118,7 +123,7 @@ impl Siemens {
         }
     }
 
-    fn end_preparation(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+    fn end_preparation(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let [error] = arguments else { return syntax("EXECUTE needs a variable for the error") };
         let error = self.variable_of(host, error)?;
         if let Some(preparation) = self.held.preparation.take() {
@@ -127,7 +132,7 @@ impl Siemens {
         self.store(host, &error, Data::Int(0))
     }
 
-    fn fill_table(&mut self, host: &mut dyn Host, preparation: &Preparation) -> Outcome<()> {
+    fn fill_table(&mut self, host: &mut dyn InterpreterHost, preparation: &Preparation) -> Outcome<()> {
         let factor = host.length_factor();
         let (inch, rapid) = (host.is_inch(), host.contour_begins_rapid());
         // The move to the contour is the first row.
@@ -163,7 +168,11 @@ impl Siemens {
     }
 
     /// The variable that an argument is.
-    pub(super) fn variable_of(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Target> {
+    pub(super) fn variable_of(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        argument: &SiemensArgument,
+    ) -> Outcome<VariableElement> {
         let name = match &argument.value {
             Ok(Some(expression)) => as_name(expression),
             _ => None,
@@ -175,14 +184,14 @@ impl Siemens {
         found.map_or_else(|| syntax(format!("'{}' is not a variable", argument.text)), Ok)
     }
 
-    fn sizes_of(&self, table: &Target) -> Vec<usize> {
+    fn sizes_of(&self, table: &VariableElement) -> Vec<usize> {
         let known = self.variables.whole(&table.name).map(|variable| variable.sizes.clone());
         known.or_else(|| self.variables.shared.get(&*table.name).map(|(_, sizes)| sizes.clone())).unwrap_or_default()
     }
 }
 
 /// Where the tool is, along both axes of the plane, as radii of the program.
-fn start(host: &dyn Host) -> Option<[f64; 2]> {
+fn start(host: &dyn InterpreterHost) -> Option<[f64; 2]> {
     let axes = host.axes();
     let at = |letter: &str| {
         let axis = axes.iter().find(|axis| axis.letter.eq_ignore_ascii_case(letter))?;

@@ -8,14 +8,14 @@
 
 use std::sync::Arc;
 
-use super::expression::Argument;
+use super::expression::SiemensArgument;
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::InterpreterHost;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 const NO_PATH: i64 = 1;
 const NO_FILE: i64 = 3;
@@ -29,7 +29,12 @@ const LONGEST: usize = 200;
 
 impl Siemens {
     /// Executes such a statement; returns whether it is one.
-    pub(super) fn records(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+    pub(super) fn records(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        arguments: &[SiemensArgument],
+    ) -> Outcome<bool> {
         let statement = match name {
             "WRITE" => Self::write_record,
             "READ" => Self::read_records,
@@ -54,9 +59,9 @@ impl Siemens {
 
     fn write_record(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         (file, path): (&str, &str),
-        arguments: &[Argument],
+        arguments: &[SiemensArgument],
     ) -> Outcome<i64> {
         let line = arguments.first().map_or(Ok(None), |argument| self.argument(host, argument))?;
         let Some(Data::Text(line)) = line else { return wrong_type("the line of a file is a text") };
@@ -75,9 +80,9 @@ impl Siemens {
 
     fn read_records(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         (file, path): (&str, &str),
-        arguments: &[Argument],
+        arguments: &[SiemensArgument],
     ) -> Outcome<i64> {
         let [line, count, table] = arguments else {
             return syntax("READ needs a line, a number of lines and a variable");
@@ -118,7 +123,12 @@ impl Siemens {
         Ok(0)
     }
 
-    fn delete_records(&mut self, host: &mut dyn Host, (file, path): (&str, &str), _: &[Argument]) -> Outcome<i64> {
+    fn delete_records(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        (file, path): (&str, &str),
+        _: &[SiemensArgument],
+    ) -> Outcome<i64> {
         match host.has_written(path)? {
             Some(true) => host.remove_written(path)?,
             None if self.job_text(host, file)?.is_some() => host.remove_written(path)?,
@@ -130,9 +140,9 @@ impl Siemens {
     /// Refuses to call a program that was written, changed or removed after the job received it.
     pub(super) fn check_unchanged(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        place: Option<(FileId, Range)>,
+        place: Option<(FileId, ProgramRange)>,
     ) -> Outcome<()> {
         let files = host.files();
         let own = place.and_then(|(file, _)| files.get(usize::from(file)));
@@ -149,13 +159,13 @@ impl Siemens {
                 format!("'{path}' has been removed by DELETE")
             };
             let facts = if exists { &diag::SIEMENS_STATE } else { &diag::SUBPROGRAM_MISSING };
-            return Err(Fault::Alarm(facts, text));
+            return Err(SiemensBlockError::Alarm(facts, text));
         }
         Ok(())
     }
 
     /// Whether programs have written such a file; false if it was removed.
-    pub(super) fn has_record(&mut self, host: &mut dyn Host, file: &str) -> Outcome<Option<bool>> {
+    pub(super) fn has_record(&mut self, host: &mut dyn InterpreterHost, file: &str) -> Outcome<Option<bool>> {
         Ok(match record_path(file) {
             Some(path) => host.has_written(&path)?,
             None => None,
@@ -163,7 +173,7 @@ impl Siemens {
     }
 
     /// Text of a program of the job.
-    fn job_text(&mut self, host: &mut dyn Host, file: &str) -> Outcome<Option<String>> {
+    fn job_text(&mut self, host: &mut dyn InterpreterHost, file: &str) -> Outcome<Option<String>> {
         let Some(id) = self.file_by_path(host, file) else { return Ok(None) };
         let files = host.files();
         if files.get(usize::from(id)).is_none_or(|name| name.starts_with(StoredFile::ROOT)) {

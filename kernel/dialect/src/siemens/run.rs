@@ -6,13 +6,14 @@
 
 use std::sync::Arc;
 
-use super::expression::{Argument, Expression, Name, as_name, whole};
-use super::left::Left;
-use super::line::{Assigned, Item, Line, read};
+use super::expression::{Expression, IndexedName, SiemensArgument, as_name, whole};
+use super::left::SiemensRemainder;
+use super::line::{AssignmentValue, SiemensItem, SiemensLine, read};
 use super::places::{are_plain, leave_as_text, push_block_number};
+use super::unknown_names::{lacks, limit, words_address};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, needs_interpreter, syntax};
-use crate::host::{Answer, Call, Host, Programs};
+use super::{Outcome, Siemens, SiemensBlockError, needs_interpreter, syntax};
+use crate::host::{IdentificationAnswer, InterpreterHost, ProgramHost, SubprogramCall};
 use crate::interpreter::Remaining;
 use crate::text::without_comment;
 use counterpoint_fault as diag;
@@ -22,14 +23,19 @@ pub(super) const MOST_PASSES: i64 = 9_999;
 
 /// Whether the rest of the block is executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Then {
+pub(super) enum BlockContinuation {
     Continue,
     Stop,
 }
 
 impl Siemens {
     /// Executes a block, whose bytes are `bytes`; returns its remaining words.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, whole: &str, bytes: &[u8]) -> Outcome<Remaining> {
+    pub(super) fn carry_out(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        whole: &str,
+        bytes: &[u8],
+    ) -> Outcome<Remaining> {
         let Some(text) = skipped(host, whole) else { return Ok(Remaining::Nothing) };
         let place = host.place();
         if super::jumps::is_head(text) {
@@ -43,7 +49,7 @@ impl Siemens {
                 let start = whole.len() - text.len();
                 let text = self.expanded(without_comment(text));
                 let is_statement = at_once && needs_interpreter(whole.as_bytes());
-                let mut line = read(&text).map(|line| Line { at_once, is_statement, ..line }.at(start));
+                let mut line = read(&text).map(|line| SiemensLine { at_once, is_statement, ..line }.at(start));
                 if let Ok(line) = &mut line
                     && !self.defines.is_empty()
                 {
@@ -64,7 +70,7 @@ impl Siemens {
 
     /// The block as it was read before, if it may act at once.
     #[inline]
-    pub(super) fn read_before(&mut self, host: &dyn Host) -> Option<Arc<Result<Line, String>>> {
+    pub(super) fn read_before(&mut self, host: &dyn InterpreterHost) -> Option<Arc<Result<SiemensLine, String>>> {
         if !self.defines.is_empty() {
             return None;
         }
@@ -73,7 +79,7 @@ impl Siemens {
     }
 
     /// The head of a program of an archive: the next one is not run into.
-    fn program_head(&mut self, host: &mut dyn Host) -> Outcome<()> {
+    fn program_head(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
         let place = host.place();
         let source = host.source(place.file);
         let is_first = source.is_none_or(|source| {
@@ -82,24 +88,29 @@ impl Siemens {
         if is_first { Ok(()) } else { Ok(host.go_to(place.range.last.saturating_add(1))?) }
     }
 
-    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Outcome<Remaining> {
-        let mut left = Left { speed_is_other: line.speed_is_other, ..Left::default() };
+    pub(super) fn run(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        line: &SiemensLine,
+        text: &[u8],
+    ) -> Outcome<Remaining> {
+        let mut left = SiemensRemainder { speed_is_other: line.speed_is_other, ..SiemensRemainder::default() };
         self.test_actions(host, &mut left)?;
-        let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
-        if let Some(Item::Text(text)) = line.items.iter().rfind(is_mode) {
+        let is_mode = |item: &&SiemensItem| matches!(item, SiemensItem::Text(text) if mode(text).is_some());
+        if let Some(SiemensItem::Text(text)) = line.items.iter().rfind(is_mode) {
             left.relative = mode(text);
         }
         for (at, item) in line.items.iter().enumerate() {
-            if let Item::Modal = item {
+            if let SiemensItem::Modal = item {
                 self.set_modal(host, line.items.get(at + 1..).unwrap_or_default())?;
                 break;
             }
-            if at > 0 && matches!(item, Item::Declare(_) | Item::Header(_)) {
+            if at > 0 && matches!(item, SiemensItem::Declare(_) | SiemensItem::Header(_)) {
                 return syntax("DEF and PROC stand at the beginning of a block (alarm 14500)");
             }
             let then = self.item(host, item, &mut left)?;
             left.places.put(left.words.len(), line.place(at));
-            if then == Then::Stop {
+            if then == BlockContinuation::Stop {
                 break;
             }
         }
@@ -116,24 +127,30 @@ impl Siemens {
         self.finish(host, line, left, text)
     }
 
-    fn finish(&mut self, host: &mut dyn Host, line: &Line, mut left: Left, block: &[u8]) -> Outcome<Remaining> {
+    fn finish(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        line: &SiemensLine,
+        mut left: SiemensRemainder,
+        block: &[u8],
+    ) -> Outcome<Remaining> {
         match left.call.take() {
             Some(call) => {
                 let passes = left.passes.unwrap_or(call.passes);
                 if passes == 0 {
                     return syntax("P of a call is 1 to 9999, not 0 (alarm 14013)");
                 }
-                host.call(Call { passes, ..call });
+                host.call(SubprogramCall { passes, ..call });
             }
             None => {
                 if let Some(word) = left.passes_word.take() {
                     left.add(&word);
-                    let at = line.items.iter().position(|item| matches!(item, Item::Passes(..)));
+                    let at = line.items.iter().position(|item| matches!(item, SiemensItem::Passes(..)));
                     left.places.put(left.words.len(), at.and_then(|at| line.place(at)));
                 }
             }
         }
-        let Left { before, words, places, .. } = left;
+        let SiemensRemainder { before, words, places, .. } = left;
         let is_covered = places.are_words_of(&words, block);
         let is_plain = before.iter().all(|words| are_plain(words)) && (is_covered || are_plain(&words));
         if block.is_empty() || !is_plain {
@@ -160,13 +177,18 @@ impl Siemens {
         Ok(Remaining::Words)
     }
 
-    pub(super) fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
+    pub(super) fn item(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        item: &SiemensItem,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<BlockContinuation> {
         match item {
-            Item::Text(text) => left.add(text),
-            Item::Set { name, value } => self.set(host, name, value, left)?,
-            Item::Bare(name) => self.bare_name(host, name, left)?,
-            Item::Function(name, arguments) => self.function_block(host, name, arguments, left)?,
-            Item::Passes(passes, word) => {
+            SiemensItem::Text(text) => left.add(text),
+            SiemensItem::Set { name, value } => self.set(host, name, value, left)?,
+            SiemensItem::Bare(name) => self.bare_name(host, name, left)?,
+            SiemensItem::Function(name, arguments) => self.function_block(host, name, arguments, left)?,
+            SiemensItem::Passes(passes, word) => {
                 let passes = self.whole_number(host, passes)?;
                 if passes > MOST_PASSES {
                     return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES}) (alarm 14013)"));
@@ -174,19 +196,19 @@ impl Siemens {
                 left.passes = Some(u32::try_from(passes).unwrap_or(0));
                 left.passes_word = Some(word.clone());
             }
-            Item::Program(name) => match self.known_program(host, name)? {
+            SiemensItem::Program(name) => match self.known_program(host, name)? {
                 Some(found) => left.call = Some(self.prepare_call(host, name, found, &[])?),
                 None if self.settings.subprograms => left.call = Some(self.prepare_call(host, name, None, &[])?),
                 None => left.add(name),
             },
-            Item::CallText { name, section, arguments } => {
+            SiemensItem::CallText { name, section, arguments } => {
                 return self.call_text(host, name, section.as_ref(), arguments, left);
             }
-            Item::Modal => {}
-            Item::Return(text, elsewhere) => {
+            SiemensItem::Modal => {}
+            SiemensItem::Return(text, elsewhere) => {
                 if !self.settings.subprograms {
                     left.add(text);
-                    return Ok(Then::Continue);
+                    return Ok(BlockContinuation::Continue);
                 }
                 if self.variables.calls.in_part() {
                     let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
@@ -198,23 +220,23 @@ impl Siemens {
                 }
                 host.return_from();
             }
-            Item::Define(name, text) => {
+            SiemensItem::Define(name, text) => {
                 self.define(name, text);
                 self.watch(host);
             }
-            Item::Declare(declaration) => {
+            SiemensItem::Declare(declaration) => {
                 self.check_first(host)?;
                 self.declare(host, declaration, false)?;
             }
-            Item::Redeclare(declaration) => self.declare(host, declaration, true)?,
-            Item::Header(header) => self.take_arguments(host, header)?,
-            Item::External(header) => {
+            SiemensItem::Redeclare(declaration) => self.declare(host, declaration, true)?,
+            SiemensItem::Header(header) => self.take_arguments(host, header)?,
+            SiemensItem::External(header) => {
                 self.held.externals.insert(header.name.clone());
             }
-            Item::Message(argument) => self.message(host, argument.as_ref(), left)?,
-            Item::Synchronised(action) => self.synchronise(host, action)?,
-            Item::Shared { text, .. } if host.is_code_text(text) => left.add(text),
-            Item::Shared { statement, operands, .. } => {
+            SiemensItem::Message(argument) => self.message(host, argument.as_ref(), left)?,
+            SiemensItem::Synchronised(action) => self.synchronise(host, action)?,
+            SiemensItem::Shared { text, .. } if host.is_code_text(text) => left.add(text),
+            SiemensItem::Shared { statement, operands, .. } => {
                 statement.execute(host, operands, |host, operand| match self.argument(host, operand)? {
                     Some(value) => super::evaluate::number(&value),
                     None => syntax("an argument is missing"),
@@ -222,10 +244,16 @@ impl Siemens {
             }
             _ => return self.flow(host, item, left),
         }
-        Ok(Then::Continue)
+        Ok(BlockContinuation::Continue)
     }
 
-    pub(super) fn set(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+    pub(super) fn set(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         if self.set_r(host, name, value)? {
             return Ok(());
         }
@@ -252,37 +280,49 @@ impl Siemens {
     }
 
     /// A system variable, or a name that is neither a variable nor an address.
-    fn set_by_name(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+    fn set_by_name(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         let is_system = name.name.starts_with('$');
         let assigned = match value {
-            Assigned::One(value, _) if is_system => Some(self.evaluate(host, value)?),
-            Assigned::One(value, _) => self.quietly(|this| this.evaluate(host, value))?,
+            AssignmentValue::One(value, _) if is_system => Some(self.evaluate(host, value)?),
+            AssignmentValue::One(value, _) => self.quietly(|this| this.evaluate(host, value))?,
             _ => None,
         };
         let asked = self.written(host, name)?;
         let given = assigned.as_ref().map(Data::value);
         match self.ask(host, &asked, given.as_ref())? {
-            Answer::Drop => Ok(()),
-            Answer::Instead(text) => self.set_instead(host, &text, value, left),
-            Answer::Keep => self.word(host, name, value, left),
-            Answer::Unknown if is_system => {
+            IdentificationAnswer::Drop => Ok(()),
+            IdentificationAnswer::Instead(text) => self.set_instead(host, &text, value, left),
+            IdentificationAnswer::Keep => self.word(host, name, value, left),
+            IdentificationAnswer::Unknown if is_system => {
                 if let Some(assigned) = &assigned
                     && let Some(blocks) = self.set_system(host, name, assigned)?
                 {
                     left.before.extend(blocks);
                     return Ok(());
                 }
-                Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
+                Err(SiemensBlockError::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
             }
-            Answer::Unknown => match limit(&name.name) {
-                Some(limit) => Err(Fault::Alarm(&diag::SIEMENS_STATE, format!("{}: {limit}", name.name))),
+            IdentificationAnswer::Unknown => match limit(&name.name) {
+                Some(limit) => Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, format!("{}: {limit}", name.name))),
                 None => self.word(host, name, value, left),
             },
         }
     }
 
     /// A macro has named another variable, or given the text that is in the block.
-    fn set_instead(&mut self, host: &mut dyn Host, text: &str, value: &Assigned, left: &mut Left) -> Outcome<()> {
+    fn set_instead(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        text: &str,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         if let Ok(expression) = whole(text)
             && let Some(name) = as_name(&expression)
             && let Some(target) = self.locate(host, name)?
@@ -294,7 +334,7 @@ impl Siemens {
     }
 
     /// A name alone: a literal code, a subprogram, or text.
-    fn bare_name(&mut self, host: &mut dyn Host, written: &str, left: &mut Left) -> Outcome<()> {
+    fn bare_name(&mut self, host: &mut dyn InterpreterHost, written: &str, left: &mut SiemensRemainder) -> Outcome<()> {
         let name = written.to_ascii_uppercase();
         if host.is_code_text(&name) {
             left.add(&name);
@@ -313,10 +353,10 @@ impl Siemens {
     /// A name with arguments: SETAL, a subprogram, or text.
     fn function_block(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        arguments: &[Argument],
-        left: &mut Left,
+        arguments: &[SiemensArgument],
+        left: &mut SiemensRemainder,
     ) -> Outcome<()> {
         if name == "SETAL" {
             return self.set_alarm(host, arguments);
@@ -350,21 +390,34 @@ impl Siemens {
     }
 
     /// A text that nothing knows: a macro may, otherwise the tables of the machine have to.
-    fn unknown(&mut self, host: &mut dyn Host, asked: &str, written: &str, left: &mut Left) -> Outcome<()> {
+    fn unknown(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        asked: &str,
+        written: &str,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         if let Some(text) = lacks(host, asked) {
-            return Err(Fault::Halt(host.alarm(&diag::UNKNOWN_TEXT, text)));
+            return Err(SiemensBlockError::Halt(host.alarm(&diag::UNKNOWN_TEXT, text)));
         }
         match self.ask(host, asked, None)? {
-            Answer::Drop => {}
-            Answer::Instead(text) => return self.block_instead(host, &text, left),
-            Answer::Unknown if super::words::begins_with_code(host, written) => host.report_unrecognised(written)?,
-            Answer::Keep | Answer::Unknown => left.add(written),
+            IdentificationAnswer::Drop => {}
+            IdentificationAnswer::Instead(text) => return self.block_instead(host, &text, left),
+            IdentificationAnswer::Unknown if super::words::begins_with_code(host, written) => {
+                host.report_unrecognised(written)?
+            }
+            IdentificationAnswer::Keep | IdentificationAnswer::Unknown => left.add(written),
         }
         Ok(())
     }
 
     /// A macro has given a text for a part of the block; the macro is not asked about the content of that text.
-    fn block_instead(&mut self, host: &mut dyn Host, text: &str, left: &mut Left) -> Outcome<()> {
+    fn block_instead(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        text: &str,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         let line = read(text).or_else(syntax)?;
         let before = std::mem::replace(&mut self.quiet, true);
         let done = line.items.iter().try_for_each(|item| self.item(host, item, left).map(|_| ()));
@@ -374,19 +427,19 @@ impl Siemens {
 
     fn call_text(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &Expression,
         section: Option<&(String, String)>,
-        arguments: &[Argument],
-        left: &mut Left,
-    ) -> Outcome<Then> {
+        arguments: &[SiemensArgument],
+        left: &mut SiemensRemainder,
+    ) -> Outcome<BlockContinuation> {
         let name = match self.evaluate(host, name)? {
             Data::Text(text) => text.trim().to_owned(),
             other => return super::wrong_type(format!("{} is not a valid name of a subprogram", other.described())),
         };
         if !self.settings.subprograms {
             left.add(&format!("CALL \"{name}\""));
-            return Ok(Then::Continue);
+            return Ok(BlockContinuation::Continue);
         }
         let place = host.place();
         let whole = if name.is_empty() && section.is_some() {
@@ -396,7 +449,7 @@ impl Siemens {
         };
         let Some((labels, whole)) = section.zip(whole) else {
             left.call = Some(self.prepare_call(host, &name, whole, arguments)?);
-            return Ok(Then::Continue);
+            return Ok(BlockContinuation::Continue);
         };
         let (file, range) = self.section(host, whole, labels)?;
         let call = if file == place.file && name.is_empty() {
@@ -405,36 +458,12 @@ impl Siemens {
             self.prepare_call(host, &name, Some((file, range)), &[])?
         };
         left.call = Some(call);
-        Ok(Then::Continue)
+        Ok(BlockContinuation::Continue)
     }
 }
 
-/// A program of the control uses one of its own words that the machine does not have, so the machine lacks a function
-/// of the program.
-fn lacks(host: &dyn Programs, asked: &str) -> Option<String> {
-    let source = asked.starts_with("SC_").then(|| host.source(host.place().file)).flatten()?;
-    let stem = source.name.strip_prefix("//ICAMFS/")?.rsplit('/').next()?.split('.').next()?.to_ascii_uppercase();
-    Some(format!(
-        "12550 name not defined or option missing: this machine has no {stem}, whose axes or options it lacks; no part of the \
-         block acts"
-    ))
-}
-
-/// The missing emulation that a word would need, and an alternative.
-fn limit(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "FXS" | "FXST" | "FXSW" => {
-            "travel to a fixed stop is not emulated; move the axis to the place of the stop by G1 in a run without the part"
-        }
-        "MEAS" | "MEAW" | "MEASA" | "MEAWA" | "MEAC" => {
-            "measuring is not emulated; write the measured values into the variables that the program reads, and skip the block"
-        }
-        _ => return None,
-    })
-}
-
 /// The block after its marks of optional skip; none if it is skipped.
-pub(super) fn skipped<'a>(host: &dyn Programs, text: &'a str) -> Option<&'a str> {
+pub(super) fn skipped<'a>(host: &dyn ProgramHost, text: &'a str) -> Option<&'a str> {
     let mut text = text.trim_start();
     while let Some(rest) = text.strip_prefix('/') {
         let digit = rest.bytes().next().filter(u8::is_ascii_digit);
@@ -455,10 +484,4 @@ fn mode(text: &str) -> Option<bool> {
         "91" => Some(true),
         _ => None,
     }
-}
-
-/// Whether a word of the machine may begin with this name.
-fn words_address(host: &dyn Host, name: &str) -> bool {
-    let forms = [name.to_owned(), format!("{name}="), format!("{name}[")];
-    forms.iter().any(|form| host.is_register(form)) || super::evaluate::words_name(host, name)
 }

@@ -4,15 +4,15 @@
 //! register for the address alone and not for the address with its `=`. Invariant: blanks around `=` are always removed
 //! from a word.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::expression::{Expression, Name, as_name, whole};
+use super::expression::{Expression, IndexedName, as_name, whole};
 use super::value::Data;
-use crate::interpreter::Setting;
+use crate::interpreter::SettingOutcome;
 
 /// Settings.
 #[derive(Debug)]
-pub(super) struct Settings {
+pub(super) struct SiemensSettings {
     /// MSG is executed here.
     pub(super) messages: bool,
     /// Subprograms are called here.
@@ -37,7 +37,7 @@ const DEFINITIONS: [&str; 14] = [
     "GUD6_DEF", "GUD7_DEF", "GUD8_DEF", "GUD9_DEF", "PGUD_DEF",
 ];
 
-impl Default for Settings {
+impl Default for SiemensSettings {
     fn default() -> Self {
         Self {
             messages: true,
@@ -52,9 +52,9 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl SiemensSettings {
     /// Sets one by its name.
-    pub(super) fn set(&mut self, name: &str, values: &[Value]) -> Setting {
+    pub(super) fn set(&mut self, name: &str, values: &[MacroValue]) -> SettingOutcome {
         let truth = match values {
             [value] => value.as_logical(),
             _ => None,
@@ -63,74 +63,76 @@ impl Settings {
             "PROCESS,MESSAGES" => {
                 // The kernel keeps it too.
                 self.messages = truth.unwrap_or(self.messages);
-                return Setting::Unknown;
+                return SettingOutcome::Unknown;
             }
             "PROCESS,SUBPROGRAMS" => &mut self.subprograms,
             "GLOBALDEF" => &mut self.global,
             "APPLYFRAMES" => &mut self.applies_frames,
             // Blanks around `=` are removed in any case.
-            "COLLAPSEASSIGNSPACES" => return if truth.is_some() { Setting::Made } else { Setting::Wrong },
+            "COLLAPSEASSIGNSPACES" => {
+                return if truth.is_some() { SettingOutcome::Made } else { SettingOutcome::Wrong };
+            }
             "COLLAPSEASSIGNS" => {
                 self.collapse = truth.or(self.collapse);
-                return if truth.is_some() { Setting::Made } else { Setting::Wrong };
+                return if truth.is_some() { SettingOutcome::Made } else { SettingOutcome::Wrong };
             }
             "SETALSEVERITY" => return self.set_severity(values),
             "SETFILEROOT" => return self.set_root(values),
             "PROCESSGUDFILES" => return self.set_definitions(values),
-            _ => return Setting::Unknown,
+            _ => return SettingOutcome::Unknown,
         };
         match truth {
             Some(truth) => {
                 *slot = truth;
-                Setting::Made
+                SettingOutcome::Made
             }
-            None => Setting::Wrong,
+            None => SettingOutcome::Wrong,
         }
     }
 
-    fn set_severity(&mut self, values: &[Value]) -> Setting {
+    fn set_severity(&mut self, values: &[MacroValue]) -> SettingOutcome {
         match values {
             [value] => match value.as_real() {
                 Some(severity) if severity.fract() == 0.0 && (0.0..100.0).contains(&severity) => {
                     self.severity = Some(severity as u8);
-                    Setting::Made
+                    SettingOutcome::Made
                 }
-                _ => Setting::Wrong,
+                _ => SettingOutcome::Wrong,
             },
-            _ => Setting::Wrong,
+            _ => SettingOutcome::Wrong,
         }
     }
 
-    fn set_root(&mut self, values: &[Value]) -> Setting {
+    fn set_root(&mut self, values: &[MacroValue]) -> SettingOutcome {
         match values {
-            [Value::Text(text)] => {
+            [MacroValue::Text(text)] => {
                 self.root = text.trim().replace('\\', "/").trim_end_matches('/').to_owned();
-                Setting::Made
+                SettingOutcome::Made
             }
-            _ => Setting::Wrong,
+            _ => SettingOutcome::Wrong,
         }
     }
 
-    fn set_definitions(&mut self, values: &[Value]) -> Setting {
-        let text = |value: &Value| value.as_text().map(|text| (text.trim().to_owned(), true));
+    fn set_definitions(&mut self, values: &[MacroValue]) -> SettingOutcome {
+        let text = |value: &MacroValue| value.as_text().map(|text| (text.trim().to_owned(), true));
         match values {
             [] => self.definitions.extend(DEFINITIONS.map(|name| (name.to_owned(), false))),
-            [Value::Sequence(names)] => match names.iter().map(text).collect::<Option<Vec<_>>>() {
+            [MacroValue::Sequence(names)] => match names.iter().map(text).collect::<Option<Vec<_>>>() {
                 Some(names) => self.definitions.extend(names),
-                None => return Setting::Wrong,
+                None => return SettingOutcome::Wrong,
             },
             [value] => match text(value) {
                 Some(name) => self.definitions.push(name),
-                None => return Setting::Wrong,
+                None => return SettingOutcome::Wrong,
             },
-            _ => return Setting::Wrong,
+            _ => return SettingOutcome::Wrong,
         }
-        Setting::Made
+        SettingOutcome::Made
     }
 }
 
 /// A variable in native spelling, with further indices after it.
-pub(super) fn named(text: &str, indices: &[f64]) -> Option<Name> {
+pub(super) fn named(text: &str, indices: &[f64]) -> Option<IndexedName> {
     let mut name = as_name(&whole(text.trim()).ok()?)?.clone();
     name.index.extend(indices.iter().map(|index| Expression::constant(Data::Real(*index))));
     let sound = indices.iter().all(|index| index.is_finite());

@@ -6,12 +6,12 @@
 //! than the master takes effect at its SETMS, since LIMS concerns the cutting speed of the master spindle. *Invariant:*
 //! a block has one oriented stop of a spindle.
 
-use super::expression::{Argument, Expression, Name};
-use super::left::Left;
-use super::line::{Assigned, Item, Positioning};
+use super::expression::{Expression, IndexedName, SiemensArgument};
+use super::left::SiemensRemainder;
+use super::line::{AssignmentValue, PositionMode, SiemensItem};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 
@@ -19,8 +19,8 @@ use counterpoint_machine::ident::codes;
 const SPINDLES: std::ops::RangeInclusive<i64> = 1..=31;
 
 /// Whether a word makes a limit or a cutting speed of S, or ends the cutting speed.
-pub(super) fn changes_speed(item: &Item) -> bool {
-    let Item::Text(text) = item else { return false };
+pub(super) fn changes_speed(item: &SiemensItem) -> bool {
+    let SiemensItem::Text(text) = item else { return false };
     let digits = text.strip_prefix(['G', 'g']).map_or("", |digits| digits.trim_start().trim_start_matches('0'));
     matches!(digits, "25" | "26" | "96" | "961" | "962" | "97" | "971" | "972" | "973")
 }
@@ -44,10 +44,10 @@ impl Siemens {
     /// A word of a spindle; false if it is another word.
     pub(super) fn spindle_word(
         &mut self,
-        host: &mut dyn Host,
-        name: &Name,
-        value: &Assigned,
-        left: &mut Left,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
     ) -> Outcome<bool> {
         match (name.name.as_str(), name.index.as_slice()) {
             ("SPOS" | "SPOSA", index @ ([] | [_])) if host.is_register("SPOS=") => {
@@ -55,14 +55,14 @@ impl Siemens {
             }
             ("LIMS", [index]) if host.is_register("LIMS=") => {
                 let spindle = self.spindle_of(host, Some(index))?;
-                let Assigned::One(value, _) = value else { return syntax("LIMS[n] takes a speed") };
+                let AssignmentValue::One(value, _) = value else { return syntax("LIMS[n] takes a speed") };
                 let limit = super::evaluate::number(&self.evaluate(host, value)?)?;
                 self.limit_spindle(host, spindle, limit, left)?;
                 Ok(true)
             }
             (address, []) if left.speed_is_other => {
                 let Some(spindle) = numbered_speed(address) else { return Ok(false) };
-                let Assigned::One(value, _) = value else { return syntax(format!("{address} takes a speed")) };
+                let AssignmentValue::One(value, _) = value else { return syntax(format!("{address} takes a speed")) };
                 let value = super::evaluate::number(&self.evaluate(host, value)?)?;
                 if spindle == self.master(host)? {
                     left.add(&format!("S{}", Data::Real(value).word()));
@@ -81,24 +81,24 @@ impl Siemens {
                 let text = format!(
                     "{address}= is a cutting speed only of the master spindle; program SETMS({spindle}) before it"
                 );
-                Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
+                Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text))
             }
             _ => Ok(false),
         }
     }
 
     /// Number of the master spindle.
-    fn master(&mut self, host: &mut dyn Host) -> Outcome<i64> {
-        let name = Name { name: "$P_MSNUM".to_owned(), index: Vec::new() };
+    fn master(&mut self, host: &mut dyn InterpreterHost) -> Outcome<i64> {
+        let name = IndexedName { name: "$P_MSNUM".to_owned(), index: Vec::new() };
         match self.read(host, &name) {
             Ok(value) => Ok(value.number().map_or(1, |number| number as i64)),
-            Err(Fault::Alarm(..)) => Ok(1),
+            Err(SiemensBlockError::Alarm(..)) => Ok(1),
             Err(halt) => Err(halt),
         }
     }
 
     /// The spindle of an index, or the master spindle.
-    fn spindle_of(&mut self, host: &mut dyn Host, index: Option<&Expression>) -> Outcome<i64> {
+    fn spindle_of(&mut self, host: &mut dyn InterpreterHost, index: Option<&Expression>) -> Outcome<i64> {
         let Some(index) = index else { return self.master(host) };
         let number = self.whole_number(host, index)?;
         if SPINDLES.contains(&number) { Ok(number) } else { wrong_type(format!("spindle {number} does not exist")) }
@@ -107,10 +107,10 @@ impl Siemens {
     /// SPOS and SPOSA.
     fn orient_spindle(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         index: Option<&Expression>,
-        value: &Assigned,
-        left: &mut Left,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
     ) -> Outcome<()> {
         let master = self.master(host)?;
         let spindle = match index {
@@ -118,27 +118,27 @@ impl Siemens {
             Some(_) => self.spindle_of(host, index)?,
         };
         let (way, value) = match value {
-            Assigned::One(value, _) => (Positioning::Absolute, value),
-            Assigned::Positioned(way, value, _) => (*way, value),
-            Assigned::List(_) | Assigned::Fill(_) => return syntax("SPOS takes an angle"),
+            AssignmentValue::One(value, _) => (PositionMode::Absolute, value),
+            AssignmentValue::Positioned(way, value, _) => (*way, value),
+            AssignmentValue::List(_) | AssignmentValue::Fill(_) => return syntax("SPOS takes an angle"),
         };
         let value = super::evaluate::number(&self.evaluate(host, value)?)?;
         if value.abs() > 1e9 {
             return wrong_type("the angle of SPOS is out of range");
         }
         let angle = match way {
-            Positioning::Incremental => {
+            PositionMode::Incremental => {
                 let oriented = spindle == master && host.is_active(codes::SPINDLE_ORIENT);
                 let Some(last) = self.held.spindle.filter(|_| oriented) else {
                     return syntax("SPOS=IC( ) needs an SPOS before it, without M3, M4 or M5 in between");
                 };
                 (last + value).rem_euclid(360.0)
             }
-            Positioning::Absolute
-            | Positioning::Shortest
-            | Positioning::Positive
-            | Positioning::Negative
-            | Positioning::Value => value,
+            PositionMode::Absolute
+            | PositionMode::Shortest
+            | PositionMode::Positive
+            | PositionMode::Negative
+            | PositionMode::Value => value,
             _ => return syntax("SPOS takes an angle, AC, IC, DC, ACP or ACN"),
         };
         let stop = if spindle == master {
@@ -157,7 +157,13 @@ impl Siemens {
     }
 
     /// LIMS of a spindle.
-    fn limit_spindle(&mut self, host: &mut dyn Host, spindle: i64, limit: f64, left: &mut Left) -> Outcome<()> {
+    fn limit_spindle(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        spindle: i64,
+        limit: f64,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         if !(0.0..=999_999.0).contains(&limit) {
             return wrong_type("the limit of LIMS is out of range");
         }
@@ -172,10 +178,10 @@ impl Siemens {
     /// SETMS, SETMS(n): the words that choose the master spindle; false if the machine has none.
     pub(super) fn master_spindle(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn InterpreterHost,
         name: &str,
-        arguments: &[Argument],
-        left: &mut Left,
+        arguments: &[SiemensArgument],
+        left: &mut SiemensRemainder,
     ) -> Outcome<bool> {
         if name != "SETMS" {
             return Ok(false);
@@ -210,7 +216,7 @@ impl Siemens {
 }
 
 /// A block with M19 beside SPOS has one oriented stop.
-pub(super) fn stop_once(left: &mut Left) {
+pub(super) fn stop_once(left: &mut SiemensRemainder) {
     if !left.oriented {
         return;
     }

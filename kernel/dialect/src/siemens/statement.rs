@@ -3,30 +3,30 @@
 //! Facts: reference control-emulator.md 5.4. Invariant: a label stays a name until the block runs, since a variable of
 //! type STRING may have that name.
 
-use super::cursor::{Cursor, in_name};
+use super::cursor::{SiemensCursor, in_name};
 use super::expression::{Expression, arguments, expression, unexpected};
-use super::line::{Direction, Item, Jump, Label, Structure};
+use super::line::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
 use super::value::Data;
 
-pub(super) const JUMPS: [(&str, Direction); 5] = [
-    ("GOTO", Direction::Either),
-    ("GOTOF", Direction::Forward),
-    ("GOTOB", Direction::Back),
-    ("GOTOC", Direction::Silent),
-    ("GOTOS", Direction::Start),
+pub(super) const JUMPS: [(&str, JumpDirection); 5] = [
+    ("GOTO", JumpDirection::Either),
+    ("GOTOF", JumpDirection::Forward),
+    ("GOTOB", JumpDirection::Back),
+    ("GOTOC", JumpDirection::Silent),
+    ("GOTOS", JumpDirection::Start),
 ];
 
-pub(super) fn direction(name: &str) -> Option<Direction> {
+pub(super) fn direction(name: &str) -> Option<JumpDirection> {
     JUMPS.iter().find(|(text, _)| text.eq_ignore_ascii_case(name)).map(|(_, direction)| *direction)
 }
 
-pub(super) fn jump(cursor: &mut Cursor<'_>, direction: Direction) -> Result<Jump, String> {
-    let target = if direction == Direction::Start { Label::Number(0) } else { label(cursor)? };
-    Ok(Jump { direction, target })
+pub(super) fn jump(cursor: &mut SiemensCursor<'_>, direction: JumpDirection) -> Result<SiemensJump, String> {
+    let target = if direction == JumpDirection::Start { SiemensJumpTarget::Number(0) } else { label(cursor)? };
+    Ok(SiemensJump { direction, target })
 }
 
 /// A label as statements name it.
-fn label(cursor: &mut Cursor<'_>) -> Result<Label, String> {
+fn label(cursor: &mut SiemensCursor<'_>) -> Result<SiemensJumpTarget, String> {
     cursor.blanks();
     let before = cursor.clone();
     if matches!(cursor.byte(0), b'N' | b'n' | b':') {
@@ -34,30 +34,33 @@ fn label(cursor: &mut Cursor<'_>) -> Result<Label, String> {
     }
     let digits = cursor.digits();
     if !digits.is_empty() && !in_name(cursor.byte(0)) && !joined(cursor) {
-        return digits.parse().map(Label::Number).map_err(|_| format!("{digits} is not a valid block number"));
+        return digits
+            .parse()
+            .map(SiemensJumpTarget::Number)
+            .map_err(|_| format!("{digits} is not a valid block number"));
     }
     *cursor = before.clone();
     if let Some(name) = cursor.name()
         && !matches!(cursor.byte(0), b'(' | b'[')
         && !joined(cursor)
     {
-        return Ok(Label::Name(name.to_ascii_uppercase()));
+        return Ok(SiemensJumpTarget::Name(name.to_ascii_uppercase()));
     }
     *cursor = before;
-    Ok(Label::Value(expression(cursor)?))
+    Ok(SiemensJumpTarget::Value(expression(cursor)?))
 }
 
-fn joined(cursor: &Cursor<'_>) -> bool {
+fn joined(cursor: &SiemensCursor<'_>) -> bool {
     cursor.rest().trim_start().starts_with("<<")
 }
 
-pub(super) fn repeat(cursor: &mut Cursor<'_>, one_block: bool) -> Result<Item, String> {
+pub(super) fn repeat(cursor: &mut SiemensCursor<'_>, one_block: bool) -> Result<SiemensItem, String> {
     cursor.blanks();
     if cursor.is_at_end() && !one_block {
-        return Ok(Item::Structure(Structure::Repeat));
+        return Ok(SiemensItem::Structure(Structure::Repeat));
     }
     let first = label(cursor)?;
-    let is_passes = |cursor: &Cursor<'_>| {
+    let is_passes = |cursor: &SiemensCursor<'_>| {
         let rest = cursor.rest().trim_start().as_bytes();
         rest.is_empty()
             || (rest.first().is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P'))
@@ -71,10 +74,10 @@ pub(super) fn repeat(cursor: &mut Cursor<'_>, one_block: bool) -> Result<Item, S
         cursor.takes("=");
         passes = Some(expression(cursor)?);
     }
-    Ok(Item::RepeatPart { first, last, passes, one_block })
+    Ok(SiemensItem::RepeatPart { first, last, passes, one_block })
 }
 
-pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
+pub(super) fn case(cursor: &mut SiemensCursor<'_>) -> Result<SiemensItem, String> {
     let value = expression(cursor)?;
     if !cursor.word("OF") {
         return Err(format!("OF is missing, {}", unexpected(cursor)));
@@ -83,7 +86,7 @@ pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
     loop {
         cursor.blanks();
         if cursor.is_at_end() {
-            return Ok(Item::Case(value, cases, None));
+            return Ok(SiemensItem::Case(value, cases, None));
         }
         let default = cursor.word("DEFAULT");
         let constant = if default { Expression::constant(Data::Bool(true)) } else { expression(cursor)? };
@@ -92,14 +95,14 @@ pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
         };
         let jump = jump(cursor, direction)?;
         if default {
-            return Ok(Item::Case(value, cases, Some(jump)));
+            return Ok(SiemensItem::Case(value, cases, Some(jump)));
         }
         cases.push((constant, jump));
     }
 }
 
-pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> {
-    let section = |cursor: &mut Cursor<'_>| -> Result<Option<(String, String)>, String> {
+pub(super) fn call(cursor: &mut SiemensCursor<'_>, kind: &str) -> Result<SiemensItem, String> {
+    let section = |cursor: &mut SiemensCursor<'_>| -> Result<Option<(String, String)>, String> {
         if !cursor.word("BLOCK") {
             return Ok(None);
         }
@@ -114,7 +117,7 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
         && let Some(section) = section(cursor)?
     {
         let name = Expression::constant(Data::Text(String::new()));
-        return Ok(Item::CallText { name, section: Some(section), arguments: Vec::new() });
+        return Ok(SiemensItem::CallText { name, section: Some(section), arguments: Vec::new() });
     }
     if kind == "PCALL" {
         // The path may be without quotation marks.
@@ -126,7 +129,7 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
             }
             let name = Expression::constant(Data::Text(cursor.since(from).into()));
             let arguments = if cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };
-            return Ok(Item::CallText { name, section: None, arguments });
+            return Ok(SiemensItem::CallText { name, section: None, arguments });
         }
     }
     let name = match kind {
@@ -135,5 +138,5 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
     };
     let arguments = if kind == "PCALL" && cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };
     let section = if kind == "CALL" { section(cursor)? } else { None };
-    Ok(Item::CallText { name, section, arguments })
+    Ok(SiemensItem::CallText { name, section, arguments })
 }

@@ -6,10 +6,10 @@
 //! an unknown variable is none, so that it is reported.
 
 use super::evaluate::number;
-use super::expression::{Name, as_name};
+use super::expression::{IndexedName, as_name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use counterpoint_machine::ident::codes;
 
 /// Largest number of a timer.
@@ -19,7 +19,7 @@ const MOST_TIMERS: i64 = 99;
 const PLANE_GROUP: i64 = 6;
 
 /// The working plane: 1 G17, 2 G18, 3 G19.
-pub(super) fn plane(host: &dyn Host) -> Option<i64> {
+pub(super) fn plane(host: &dyn InterpreterHost) -> Option<i64> {
     let planes = [codes::PLANE_XY, codes::PLANE_ZX, codes::PLANE_YZ];
     planes.iter().zip(1..).find(|(plane, _)| host.is_active(**plane)).map(|(_, at)| at)
 }
@@ -30,7 +30,7 @@ fn seconds(ns: i64) -> f64 {
 
 impl Siemens {
     /// Value of a system variable; none if it is not known.
-    pub(super) fn system(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
+    pub(super) fn system(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<Option<Data>> {
         if let Some(frame) = self.control_frame(host, name)? {
             return Ok(Some(frame));
         }
@@ -87,8 +87,8 @@ impl Siemens {
     /// Assigns a system variable: the blocks that do so. None if it is not known.
     pub(super) fn set_system(
         &mut self,
-        host: &mut dyn Host,
-        name: &Name,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
         value: &Data,
     ) -> Outcome<Option<Vec<String>>> {
         if name.name == "$AC_TIMER" {
@@ -117,7 +117,7 @@ impl Siemens {
         self.set_control_frame(host, name, value)
     }
 
-    pub(super) fn only_index(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<i64> {
+    pub(super) fn only_index(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<i64> {
         match name.index.as_slice() {
             [index] => self.whole_number(host, index),
             _ => syntax(format!("{} needs one index", name.name)),
@@ -125,7 +125,7 @@ impl Siemens {
     }
 
     /// Position of the axis in the index.
-    fn position(&mut self, host: &mut dyn Host, name: &Name, machine: bool) -> Outcome<f64> {
+    fn position(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName, machine: bool) -> Outcome<f64> {
         let [index] = name.index.as_slice() else { return syntax(format!("{} needs an axis", name.name)) };
         let wanted = match as_name(index) {
             Some(axis) if axis.index.is_empty() && !axis.name.starts_with('$') && !self.variables.knows(&axis.name) => {

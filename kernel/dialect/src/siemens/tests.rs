@@ -1,13 +1,13 @@
 //! Expressions and blocks without a kernel.
 
 use super::expression::{Expression, Op, whole};
-use super::frame::{Frame, Parts};
-use super::line::{Item, head, read};
+use super::frame::{FrameComponents, SiemensFrame};
+use super::line::{SiemensItem, head, read};
 use super::value::{Data, Type, shown};
-use super::{cursor::Cursor, needs_interpreter, settings::named};
-use crate::numeric::Operator;
+use super::{cursor::SiemensCursor, needs_interpreter, settings::named};
+use crate::numeric::NumericOperator;
 
-fn item(text: &str) -> Item {
+fn item(text: &str) -> SiemensItem {
     let line = read(text).unwrap();
     assert_eq!(line.items.len(), 1, "{text}: {:?}", line.items);
     line.items.into_iter().next().unwrap()
@@ -41,22 +41,22 @@ fn words_and_names_are_told_apart() {
         .items
         .iter()
         .map(|item| match item {
-            Item::Text(_) => "text",
-            Item::Set { .. } => "set",
-            Item::Bare(_) => "bare",
-            Item::Program(_) => "program",
-            Item::Return(..) => "return",
+            SiemensItem::Text(_) => "text",
+            SiemensItem::Set { .. } => "set",
+            SiemensItem::Bare(_) => "bare",
+            SiemensItem::Program(_) => "program",
+            SiemensItem::Return(..) => "return",
             _ => "other",
         })
         .collect();
     assert_eq!(kinds, ["text", "text", "text", "set", "set", "bare", "program", "return", "text"]);
-    assert!(matches!(item("WAITM(1,1,2)"), Item::Function(name, list) if name == "WAITM" && list.len() == 3));
-    assert!(matches!(item("X=AC(10)"), Item::Set { .. }));
+    assert!(matches!(item("WAITM(1,1,2)"), SiemensItem::Function(name, list) if name == "WAITM" && list.len() == 3));
+    assert!(matches!(item("X=AC(10)"), SiemensItem::Set { .. }));
 }
 
 #[test]
 fn labels_and_numbers_begin_a_block() {
-    let head = |text| head(&mut Cursor::new(text));
+    let head = |text| head(&mut SiemensCursor::new(text));
     assert_eq!(head("N10 ANF: G1"), (Some("10".into()), Some("ANF".into())));
     assert_eq!(head(":20 G1"), (Some("20".into()), None));
     assert_eq!(head("A1: X5"), (None, Some("A1".into())));
@@ -68,7 +68,7 @@ fn comparisons_bind_weakest() {
     assert!(whole("A==1 AND B==2").is_err());
     assert!(whole("(A==1) AND (B==2)").is_ok());
     let expression = whole("R1+1<R2*2").unwrap();
-    assert!(matches!(expression.ops().last(), Some(Op::Combine(Operator::Lt))));
+    assert!(matches!(expression.ops().last(), Some(Op::Combine(NumericOperator::Lt))));
     for wrong in ["", "1+", "(1", "1 2", "SIN(", "\"a", "'HXY'", "1EX", "A[1"] {
         assert!(whole(wrong).is_err(), "{wrong}");
     }
@@ -82,23 +82,24 @@ fn comparisons_bind_weakest() {
 
 #[test]
 fn frames_come_apart_again() {
-    let mut parts = Parts { shift: [10.0, -5.0, 0.0], angles: [30.0, 20.0, -45.0], ..Parts::default() };
+    let mut parts =
+        FrameComponents { shift: [10.0, -5.0, 0.0], angles: [30.0, 20.0, -45.0], ..FrameComponents::default() };
     parts.scale = [2.0, 1.0, 0.5];
     parts.mirror = [false, true, false];
     assert_eq!(parts.frame().unwrap().parts(), Some(parts));
-    let quarter = Parts { angles: [0.0, 90.0, 0.0], ..Parts::default() };
+    let quarter = FrameComponents { angles: [0.0, 90.0, 0.0], ..FrameComponents::default() };
     assert_eq!(quarter.frame().unwrap().parts(), Some(quarter));
-    let moved = Parts { shift: [10.0, 0.0, 0.0], ..Parts::default() }.frame().unwrap();
-    let turned = Parts { angles: [0.0, 0.0, 90.0], ..Parts::default() }.frame().unwrap();
+    let moved = FrameComponents { shift: [10.0, 0.0, 0.0], ..FrameComponents::default() }.frame().unwrap();
+    let turned = FrameComponents { angles: [0.0, 0.0, 90.0], ..FrameComponents::default() }.frame().unwrap();
     // The second shift counts in the turned frame.
     let chain = moved.chain(&turned).and_then(|frame| frame.chain(&moved)).unwrap();
     assert_eq!(chain.parts().unwrap().shift, [10.0, 10.0, 0.0]);
-    let skewed = Parts { scale: [2.0, 1.0, 1.0], ..Parts::default() }.frame().unwrap();
-    let tilted = Parts { angles: [0.0, 0.0, 30.0], ..Parts::default() }.frame().unwrap();
+    let skewed = FrameComponents { scale: [2.0, 1.0, 1.0], ..FrameComponents::default() }.frame().unwrap();
+    let tilted = FrameComponents { angles: [0.0, 0.0, 30.0], ..FrameComponents::default() }.frame().unwrap();
     assert_eq!(skewed.chain(&tilted).unwrap().parts(), None);
-    assert!(Parts { scale: [0.0, 1.0, 1.0], ..Parts::default() }.frame().is_none());
-    assert!(Parts { shift: [f64::NAN, 0.0, 0.0], ..Parts::default() }.frame().is_none());
-    assert_eq!(Frame::from_numbers(&turned.numbers()), Some(turned));
+    assert!(FrameComponents { scale: [0.0, 1.0, 1.0], ..FrameComponents::default() }.frame().is_none());
+    assert!(FrameComponents { shift: [f64::NAN, 0.0, 0.0], ..FrameComponents::default() }.frame().is_none());
+    assert_eq!(SiemensFrame::from_numbers(&turned.numbers()), Some(turned));
 }
 
 #[test]

@@ -6,8 +6,8 @@
 
 use super::evaluate::number;
 use super::value::{Data, shown};
-use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
+use crate::host::InterpreterHost;
 use counterpoint_fault as diag;
 
 /// Largest width in a format of SPRINT.
@@ -35,7 +35,12 @@ fn parse(text: &str) -> Option<f64> {
 }
 
 impl Siemens {
-    pub(super) fn text_function(&mut self, host: &mut dyn Host, name: &str, values: &[Data]) -> Outcome<Data> {
+    pub(super) fn text_function(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &str,
+        values: &[Data],
+    ) -> Outcome<Data> {
         let first = || text(values, 0);
         let chars = |at: usize| text(values, at).map(|text| text.chars().collect::<Vec<char>>());
         Ok(match name {
@@ -59,7 +64,7 @@ impl Siemens {
                 let (from, length) = (count(1)?, count(2)?);
                 if from < 0.0 || length < 0.0 {
                     let text = format!("SUBSTR has no value from {from} with {length} characters");
-                    return Err(Fault::Alarm(&diag::MACRO_DOMAIN, text));
+                    return Err(SiemensBlockError::Alarm(&diag::MACRO_DOMAIN, text));
                 }
                 Data::Text(chars(0)?.into_iter().skip(from as usize).take(length as usize).collect())
             }
@@ -67,7 +72,7 @@ impl Siemens {
                 Some(value) => Data::Real(value),
                 None => {
                     let text = format!("\"{}\" is not a valid number", first()?);
-                    return Err(Fault::Alarm(&diag::MACRO_DOMAIN, text));
+                    return Err(SiemensBlockError::Alarm(&diag::MACRO_DOMAIN, text));
                 }
             },
             "ISNUMBER" => Data::Bool(parse(&first()?).is_some()),
@@ -96,7 +101,7 @@ impl Siemens {
         })
     }
 
-    fn is_variable(&mut self, host: &mut dyn Host, text: &str) -> Outcome<bool> {
+    fn is_variable(&mut self, host: &mut dyn InterpreterHost, text: &str) -> Outcome<bool> {
         let Some(name) = super::settings::named(text, &[]) else { return Ok(false) };
         let found = self.quietly(|this| {
             if name.name.starts_with('$') {
@@ -109,7 +114,7 @@ impl Siemens {
 }
 
 /// Name of the first, second or third geometry axis.
-pub(super) fn geometry_name(host: &dyn Host, at: usize) -> Option<String> {
+pub(super) fn geometry_name(host: &dyn InterpreterHost, at: usize) -> Option<String> {
     let wanted = ["X", "Y", "Z"].get(at)?;
     host.axes().into_iter().find(|axis| axis.letter.eq_ignore_ascii_case(wanted)).map(|axis| axis.letter)
 }

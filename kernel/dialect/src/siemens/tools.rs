@@ -6,10 +6,10 @@
 //! has no axis for is unknown, so that it is reported.
 
 use super::evaluate::number;
-use super::expression::Name;
+use super::expression::IndexedName;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 
 /// Largest number of a tool.
 const MOST_TOOLS: i64 = 32_000;
@@ -18,14 +18,14 @@ const RADIUS: usize = 3;
 
 /// Wear of one value: where the table has it, and how often.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct WearEntry {
     of: usize,
     factor: f64,
 }
 
 impl Siemens {
     /// The value of such a variable; none if it is another one.
-    pub(super) fn tool_value(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
+    pub(super) fn tool_value(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<Option<Data>> {
         if name.name == "$TC_DP2" {
             let edge = self.edge(host, name)?;
             return Ok(Some(Data::Int(i64::from(host.tip(edge)))));
@@ -36,7 +36,12 @@ impl Siemens {
     }
 
     /// Sets such a variable; whether it is one.
-    pub(super) fn set_tool_value(&mut self, host: &mut dyn Host, name: &Name, value: &Data) -> Outcome<bool> {
+    pub(super) fn set_tool_value(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &Data,
+    ) -> Outcome<bool> {
         if name.name == "$TC_DP2" {
             let (edge, tip) = (self.edge(host, name)?, number(value)?);
             if !host.set_tip(edge, tip) {
@@ -55,7 +60,7 @@ impl Siemens {
     }
 
     /// A value that the machine has given, with the wear of the active edge if it is a length or a radius.
-    pub(super) fn worn(&mut self, host: &mut dyn Host, name: &Name, value: Data) -> Outcome<Data> {
+    pub(super) fn worn(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName, value: Data) -> Outcome<Data> {
         let part = match (name.name.as_str(), name.index.as_slice()) {
             ("$P_TOOLR", []) => "$TC_DP15",
             ("$P_TOOLL" | "$P_AD", [_]) => match (name.name.as_str(), self.only_index(host, name)?) {
@@ -66,7 +71,7 @@ impl Siemens {
             },
             _ => return Ok(value),
         };
-        let edge = Name { name: "$P_TOOL".to_owned(), index: Vec::new() };
+        let edge = IndexedName { name: "$P_TOOL".to_owned(), index: Vec::new() };
         let edge = number(&self.read(host, &edge)?)?;
         let (Some(place), true) = (self.wear_place(host, part)?, edge > 0.0) else { return Ok(value) };
         let wear = host.wear(host.tool().saturating_mul(10).saturating_add(edge as u32), place.of) / place.factor;
@@ -74,23 +79,25 @@ impl Siemens {
     }
 
     /// Where the wear that a variable means is kept.
-    fn wear_place(&mut self, host: &mut dyn Host, name: &str) -> Outcome<Option<Place>> {
+    fn wear_place(&mut self, host: &mut dyn InterpreterHost, name: &str) -> Outcome<Option<WearEntry>> {
         let second = match name {
-            "$TC_DP15" => return Ok(Some(Place { of: RADIUS, factor: 1.0 })),
+            "$TC_DP15" => return Ok(Some(WearEntry { of: RADIUS, factor: 1.0 })),
             "$TC_DP12" => false,
             "$TC_DP13" => true,
             _ => return Ok(None),
         };
-        let lengths = Name { name: "$P_SCLENGTHS".to_owned(), index: Vec::new() };
-        let crate::host::Answer::Instead(text) = host.identify(&lengths.name, None)? else { return Ok(None) };
+        let lengths = IndexedName { name: "$P_SCLENGTHS".to_owned(), index: Vec::new() };
+        let crate::host::IdentificationAnswer::Instead(text) = host.identify(&lengths.name, None)? else {
+            return Ok(None);
+        };
         // Hundreds: axis of length 1; tens: axis of length 2; units: how often the table has length 1.
         let digits = text.trim().trim_end_matches('.').parse::<usize>().unwrap_or(0);
         let (axis, factor) = if second { (digits / 10 % 10, 1.0) } else { (digits / 100 % 10, (digits % 10) as f64) };
-        Ok(axis.checked_sub(1).filter(|_| factor > 0.0).map(|of| Place { of, factor }))
+        Ok(axis.checked_sub(1).filter(|_| factor > 0.0).map(|of| WearEntry { of, factor }))
     }
 
     /// The tool offset of an edge, `[T,D]`.
-    fn edge(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<u32> {
+    fn edge(&mut self, host: &mut dyn InterpreterHost, name: &IndexedName) -> Outcome<u32> {
         let [tool, edge] = name.index.as_slice() else {
             return syntax(format!("{} needs a tool and an edge", name.name));
         };

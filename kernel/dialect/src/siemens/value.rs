@@ -3,9 +3,9 @@
 //! Facts: reference control-emulator.md 5.4; the control's types INT REAL BOOL CHAR STRING AXIS FRAME. Invariant: a
 //! REAL is finite, an INT fits into 32 bits once it is stored.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::frame::Frame;
+use super::frame::SiemensFrame;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ pub(super) enum Data {
     Char(u8),
     Text(String),
     Axis(String),
-    Frame(Box<Frame>),
+    Frame(Box<SiemensFrame>),
 }
 
 impl Default for Data {
@@ -111,14 +111,14 @@ impl Type {
     }
 
     /// A value that comes from a macro or from data shared by channels.
-    pub(super) fn taken_from(self, value: &Value) -> Option<Data> {
+    pub(super) fn taken_from(self, value: &MacroValue) -> Option<Data> {
         let data = match value {
-            Value::Real(number) => Data::Real(*number),
-            Value::Logical(truth) => Data::Bool(*truth),
-            Value::Text(text) if self == Self::Axis => Data::Axis(text.to_string()),
-            Value::Text(text) => Data::Text(text.to_string()),
-            Value::Sequence(numbers) => Data::Frame(Box::new(Frame::from_numbers(
-                &numbers.iter().filter_map(Value::as_real).collect::<Vec<_>>(),
+            MacroValue::Real(number) => Data::Real(*number),
+            MacroValue::Logical(truth) => Data::Bool(*truth),
+            MacroValue::Text(text) if self == Self::Axis => Data::Axis(text.to_string()),
+            MacroValue::Text(text) => Data::Text(text.to_string()),
+            MacroValue::Sequence(numbers) => Data::Frame(Box::new(SiemensFrame::from_numbers(
+                &numbers.iter().filter_map(MacroValue::as_real).collect::<Vec<_>>(),
             )?)),
             _ => return None,
         };
@@ -145,7 +145,7 @@ impl Data {
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Text(text) | Self::Axis(text) => text.len(),
-            Self::Frame(_) => std::mem::size_of::<super::frame::Frame>(),
+            Self::Frame(_) => std::mem::size_of::<super::frame::SiemensFrame>(),
             _ => 0,
         }
     }
@@ -186,12 +186,12 @@ impl Data {
     }
 
     /// For macros.
-    pub(super) fn value(&self) -> Value {
+    pub(super) fn value(&self) -> MacroValue {
         match self {
-            Self::Int(_) | Self::Real(_) | Self::Char(_) => Value::Real(self.number().unwrap_or(0.0)),
-            Self::Bool(truth) => Value::Logical(*truth),
-            Self::Text(text) | Self::Axis(text) => Value::text(text.as_str()),
-            Self::Frame(frame) => Value::numbers(&frame.numbers()),
+            Self::Int(_) | Self::Real(_) | Self::Char(_) => MacroValue::Real(self.number().unwrap_or(0.0)),
+            Self::Bool(truth) => MacroValue::Logical(*truth),
+            Self::Text(text) | Self::Axis(text) => MacroValue::text(text.as_str()),
+            Self::Frame(frame) => MacroValue::numbers(&frame.numbers()),
         }
     }
 }

@@ -9,12 +9,12 @@ use std::borrow::Cow;
 
 use super::aims::Aim;
 use super::evaluate::{number, words_name};
-use super::expression::{Argument, Name, as_name};
-use super::left::Left;
-use super::line::{Assigned, Positioning, Width};
+use super::expression::{IndexedName, SiemensArgument, as_name};
+use super::left::SiemensRemainder;
+use super::line::{AssignmentValue, PositionMode, Width};
 use super::value::{Data, is_number, shown};
-use super::{Fault, Outcome, Siemens};
-use crate::host::{AxisPlace, Host};
+use super::{Outcome, Siemens, SiemensBlockError};
+use crate::host::{AxisPlace, InterpreterHost};
 use crate::words::Meanings;
 use counterpoint_fault as diag;
 use counterpoint_machine::index::RegisterId;
@@ -24,11 +24,11 @@ use rustc_hash::FxHashMap;
 const BOUND: f64 = 1e12;
 /// Addresses whose values count in another way with a keyword, and the register of that: heights of soft approach and
 /// its feed.
-const OTHERWISE: [(&str, Positioning, &str); 4] = [
-    ("DISCL", Positioning::Absolute, "SC_DISCL"),
-    ("DISRP", Positioning::Absolute, "SC_DISRP"),
-    ("FAD", Positioning::PerMinute, "SC_FADM"),
-    ("FAD", Positioning::PerRevolution, "SC_FADR"),
+const OTHERWISE: [(&str, PositionMode, &str); 4] = [
+    ("DISCL", PositionMode::Absolute, "SC_DISCL"),
+    ("DISRP", PositionMode::Absolute, "SC_DISRP"),
+    ("FAD", PositionMode::PerMinute, "SC_FADM"),
+    ("FAD", PositionMode::PerRevolution, "SC_FADR"),
 ];
 /// Most addresses whose spelling is remembered.
 const MOST_SPELLINGS: usize = 500;
@@ -61,7 +61,13 @@ impl Spelling {
 
 impl Siemens {
     /// `ADDRESS=value` as a word.
-    pub(super) fn word(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+    pub(super) fn word(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        name: &IndexedName,
+        value: &AssignmentValue,
+        left: &mut SiemensRemainder,
+    ) -> Outcome<()> {
         if self.spindle_word(host, name, value, left)? {
             return Ok(());
         }
@@ -71,7 +77,7 @@ impl Siemens {
             _ => self.written(host, name)?.into(),
         };
         let aim = Aim::of(&address).filter(|_| super::orientation::has_directions(host));
-        if let (Some(aim), Assigned::One(value, _)) = (aim, value) {
+        if let (Some(aim), AssignmentValue::One(value, _)) = (aim, value) {
             let value = number(&self.evaluate(host, value)?)?;
             left.aims.get_or_insert_default().set(aim, value);
             return Ok(());
@@ -89,11 +95,11 @@ impl Siemens {
             spelling = self.spelling(host, &address);
         }
         let text: Cow<'_, str> = match value {
-            Assigned::One(_, text) if is_number(text) => text.into(),
-            Assigned::One(value, _) => self.evaluate(host, value)?.word().into(),
-            Assigned::List(values) => format!("SET({})", self.texts(host, values)?).into(),
-            Assigned::Fill(values) => format!("REP({})", self.texts(host, values)?).into(),
-            Assigned::Positioned(way, value, key) => {
+            AssignmentValue::One(_, text) if is_number(text) => text.into(),
+            AssignmentValue::One(value, _) => self.evaluate(host, value)?.word().into(),
+            AssignmentValue::List(values) => format!("SET({})", self.texts(host, values)?).into(),
+            AssignmentValue::Fill(values) => format!("REP({})", self.texts(host, values)?).into(),
+            AssignmentValue::Positioned(way, value, key) => {
                 let value = number(&self.evaluate(host, value)?)?;
                 let value = if value.abs() <= BOUND {
                     value
@@ -105,7 +111,7 @@ impl Siemens {
                     left.add(&format!("{register}={}", Data::Real(value).word()));
                     return Ok(());
                 }
-                if let (Positioning::Incremental, Some(at)) =
+                if let (PositionMode::Incremental, Some(at)) =
                     (*way, ["AP", "RP"].iter().position(|name| *name == address))
                 {
                     let Some(last) = host.polar().get(at).copied().flatten() else {
@@ -139,11 +145,11 @@ impl Siemens {
             }
         };
         if address == "AP"
-            && matches!(value, Assigned::One(..))
+            && matches!(value, AssignmentValue::One(..))
             && text.parse::<f64>().is_ok_and(|angle| angle.abs() > 360.0)
         {
             let text = format!("the polar angle {text} is beyond 360 degrees (alarm 14210)");
-            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+            return Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text));
         }
         if !has_word && let Some(plain) = self.without_number(host, &address) {
             left.add(&format!("{plain}{text}"));
@@ -169,7 +175,7 @@ impl Siemens {
     }
 
     /// The address without the number of the only spindle, and H without its number.
-    fn without_number(&mut self, host: &dyn Host, address: &str) -> Option<&'static str> {
+    fn without_number(&mut self, host: &dyn InterpreterHost, address: &str) -> Option<&'static str> {
         let plain = match address.as_bytes() {
             b"M1" => "M",
             b"S1" => "S",
@@ -191,7 +197,7 @@ impl Siemens {
     }
 
     /// How the registers of the machine spell an address.
-    fn spelling(&mut self, host: &dyn Host, address: &str) -> Spelling {
+    fn spelling(&mut self, host: &dyn InterpreterHost, address: &str) -> Spelling {
         if let Some(known) = self.known.spellings.get(address) {
             return *known;
         }
@@ -208,7 +214,7 @@ impl Siemens {
     }
 
     /// Arguments of the text that stays in the block: their values if they have any, otherwise their text.
-    pub(super) fn texts(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
+    pub(super) fn texts(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<String> {
         let mut texts = Vec::new();
         for argument in arguments {
             let value = match &argument.value {
@@ -227,7 +233,7 @@ impl Siemens {
         Ok(texts.join(","))
     }
 
-    fn has_value(&self, host: &dyn Host, name: &Name) -> bool {
+    fn has_value(&self, host: &dyn InterpreterHost, name: &IndexedName) -> bool {
         let known = name.name == "R" || name.name.starts_with('$') || self.variables.knows(&name.name);
         known && !(name.index.is_empty() && words_name(host, &name.name) && !self.variables.knows(&name.name))
     }
@@ -239,7 +245,7 @@ fn splits(address: &str) -> bool {
 }
 
 /// Whether a name that the machine does not have starts with a code: `TRANSX10`.
-pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
+pub(super) fn begins_with_code(host: &dyn InterpreterHost, name: &str) -> bool {
     let letters = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
     let is_name = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
     let mut beginnings = (2..name.len()).filter_map(|end| name.get(..end));
@@ -251,14 +257,14 @@ pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
 /// # Errors
 /// The address is not the transverse axis.
 fn across(
-    host: &dyn Host,
+    host: &dyn InterpreterHost,
     (address, axis): (&str, Option<&AxisPlace>),
-    (way, value): (Positioning, f64),
+    (way, value): (PositionMode, f64),
     step: f64,
-) -> Outcome<(Positioning, f64)> {
+) -> Outcome<(PositionMode, f64)> {
     let (width, steps) = match way {
-        Positioning::AbsoluteAs(width) => (width, false),
-        Positioning::IncrementalAs(width) => (width, true),
+        PositionMode::AbsoluteAs(width) => (width, false),
+        PositionMode::IncrementalAs(width) => (width, true),
         _ => return Ok((way, value)),
     };
     let Some(axis) = axis.filter(|axis| axis.letter.eq_ignore_ascii_case("X") && host.is_code_text("DIAMON")) else {
@@ -271,15 +277,15 @@ fn across(
         (Width::Radius, true) => value * 2.0,
         (Width::Diameter, true) | (Width::Radius, false) => value,
     };
-    Ok(if steps { (Positioning::Incremental, value / step) } else { (Positioning::Absolute, value) })
+    Ok(if steps { (PositionMode::Incremental, value / step) } else { (PositionMode::Absolute, value) })
 }
 
 /// DC, ACP and ACN are for rotary axes, and on one without limits within a turn.
-fn check_turn(host: &dyn Host, axis: Option<&AxisPlace>, way: Positioning, value: f64) -> Outcome<()> {
+fn check_turn(host: &dyn InterpreterHost, axis: Option<&AxisPlace>, way: PositionMode, value: f64) -> Outcome<()> {
     let (key, alarm) = match way {
-        Positioning::Shortest => ("DC", 16800),
-        Positioning::Positive => ("ACP", 16810),
-        Positioning::Negative => ("ACN", 16820),
+        PositionMode::Shortest => ("DC", 16800),
+        PositionMode::Positive => ("ACP", 16810),
+        PositionMode::Negative => ("ACN", 16820),
         _ => return Ok(()),
     };
     let Some(axis) = axis else { return Ok(()) };
@@ -290,7 +296,7 @@ fn check_turn(host: &dyn Host, axis: Option<&AxisPlace>, way: Positioning, value
     } else {
         return Ok(());
     };
-    Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
+    Err(SiemensBlockError::Alarm(&diag::SIEMENS_STATE, text))
 }
 
 /// Conversion of a position.
@@ -306,39 +312,39 @@ fn placed(
     axes: &[AxisPlace],
     axis: Option<&AxisPlace>,
     address: &str,
-    way: Positioning,
+    way: PositionMode,
     value: f64,
     relative: Option<f64>,
 ) -> Placed {
-    if way == Positioning::Value {
+    if way == PositionMode::Value {
         return Placed::Value(value);
     }
     if let Some(axis) = axis {
         let to = |end: f64| Placed::Value(relative.map_or(end, |step| (end - axis.from) / step));
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
-            Positioning::Incremental => Placed::Step(value),
-            Positioning::Absolute
-            | Positioning::Value
-            | Positioning::PerMinute
-            | Positioning::PerRevolution
-            | Positioning::AbsoluteAs(_)
-            | Positioning::IncrementalAs(_) => to(value),
-            Positioning::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
-            Positioning::Positive => to(axis.work + turn),
-            Positioning::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
+            PositionMode::Incremental => Placed::Step(value),
+            PositionMode::Absolute
+            | PositionMode::Value
+            | PositionMode::PerMinute
+            | PositionMode::PerRevolution
+            | PositionMode::AbsoluteAs(_)
+            | PositionMode::IncrementalAs(_) => to(value),
+            PositionMode::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
+            PositionMode::Positive => to(axis.work + turn),
+            PositionMode::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
         };
     }
     let center = ["I", "J", "K"].iter().position(|name| name.eq_ignore_ascii_case(address));
     match (center.and_then(|at| ["X", "Y", "Z"].get(at)), way) {
-        (Some(_), Positioning::Incremental) => Placed::Value(value),
-        (Some(along), Positioning::Absolute) => {
+        (Some(_), PositionMode::Incremental) => Placed::Value(value),
+        (Some(along), PositionMode::Absolute) => {
             match axes.iter().find(|axis| axis.letter.eq_ignore_ascii_case(along)) {
                 Some(axis) => Placed::Value((value - axis.work) / if axis.diameter { 2.0 } else { 1.0 }),
                 None => Placed::Text,
             }
         }
-        (None, Positioning::Absolute | Positioning::Shortest | Positioning::Positive | Positioning::Negative)
+        (None, PositionMode::Absolute | PositionMode::Shortest | PositionMode::Positive | PositionMode::Negative)
             if !address.contains('[') =>
         {
             Placed::Value(value)

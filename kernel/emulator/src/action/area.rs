@@ -2,20 +2,20 @@
 //!
 //! Facts: see `state/area.rs`. *Invariant:* no axis moves.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::WORK_AREA_LOW], |act, _, _| limits(act, false)),
-    Entry::of(&[codes::WORK_AREA_HIGH], |act, _, _| limits(act, true)),
-    Entry::of(&[codes::WORK_AREA_ON], |act, _, _| switch(act, false)),
-    Entry::of(&[codes::WORK_AREA_OFF], |act, _, _| switch(act, true)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::WORK_AREA_LOW], |act, _, _| limits(act, false)),
+    ActionEntry::of(&[codes::WORK_AREA_HIGH], |act, _, _| limits(act, true)),
+    ActionEntry::of(&[codes::WORK_AREA_ON], |act, _, _| switch(act, false)),
+    ActionEntry::of(&[codes::WORK_AREA_OFF], |act, _, _| switch(act, true)),
 ];
 
-fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
+fn limits(act: &mut ActionContext<'_, '_>, high: bool) -> Acted {
     for axis in act.channel().state.place.layout.axes.ids() {
         let Some(datum) = act.take_axis(axis).filter(|datum| datum.value.is_finite()) else { continue };
         if let Some(side) = act.channel_mut().work_area().side(axis, high) {
@@ -29,7 +29,7 @@ fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
     }
 }
 
-fn switch(act: &mut Act<'_, '_>, off: bool) -> Acted {
+fn switch(act: &mut ActionContext<'_, '_>, off: bool) -> Acted {
     // Without limits it is on.
     if off || act.channel().state.others.area.is_some() {
         act.channel_mut().work_area().off = off;

@@ -3,21 +3,21 @@
 //! Facts: reference control-emulator.md 6.1, 6.3. Decision: like the reference point, with coded axes via the given
 //! point and only those, without any all axes that have a position.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::TOOL_LOAD_POINT], |act, _, _| go(act)),
-    Entry::of(&[codes::TOOL_LOAD_RETURN], |act, _, _| come_back(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::TOOL_LOAD_POINT], |act, _, _| go(act)),
+    ActionEntry::of(&[codes::TOOL_LOAD_RETURN], |act, _, _| come_back(act)),
 ];
 
 /// To the change position.
-pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn go(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().state.others.before_change =
         Some(act.channel().state.place.machine_point(&act.channel().state.place.position));
     if act.channel().env.machine.habits.home == Home::Machine {
@@ -32,14 +32,14 @@ pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Before a tool is loaded.
-pub(super) fn before_load(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn before_load(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().state.others.before_change =
         Some(act.channel().state.place.machine_point(&act.channel().state.place.position));
     to_point(act, 0)
 }
 
 /// `coded` 0 = all axes that have a position.
-fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
+fn to_point(act: &mut ActionContext<'_, '_>, coded: u8) -> Acted {
     let mut target = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
     let point = &act.channel().env.machine.tool.change_point;
@@ -64,7 +64,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
 }
 
 /// Back: to the programmed point, or to where the axes were.
-pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn come_back(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     let before = act.channel_mut().state.others.before_change.take();
     if coded != 0 {

@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped,
 //! so a motion only looks at that. Decision: a move of a clamped axis is reported and made nevertheless.
 
-use crate::act::Act;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::state::clamps::Modulo;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
@@ -13,13 +13,13 @@ use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::CodeKind;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
+pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Clamp(axis, on) => |act, _row, _code| clamp(act, axis, on)),
     entry_of_kind!(CodeKind::Unwind(axis) => |act, _row, _code| unwind(act, axis)),
 ];
 
 /// Clamps an axis or lets it go.
-pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
+pub(super) fn clamp(act: &mut ActionContext<'_, '_>, id: DataId, on: bool) -> Acted {
     let Some(axis) = act.channel().state.place.axis_of_data(id) else { return no_axis(act, id) };
     act.channel_mut().state.place.set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.channel().axis_name(axis));
@@ -28,7 +28,7 @@ pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
 }
 
 /// Takes whole turns off one rotary axis, or off all.
-pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
+pub(super) fn unwind(act: &mut ActionContext<'_, '_>, id: Option<DataId>) -> Acted {
     let Some(id) = id else {
         for axis in act.channel().state.place.layout.axes.ids() {
             if act.channel().state.place.layout.axes[axis].rotary {
@@ -45,7 +45,7 @@ pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
     Ok(())
 }
 
-fn no_axis(act: &mut Act<'_, '_>, id: DataId) -> Acted {
+fn no_axis(act: &mut ActionContext<'_, '_>, id: DataId) -> Acted {
     let text = format!(
         "channel {} has no axis of {} for '{}'",
         act.channel().at.channel,

@@ -4,8 +4,8 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::compensation::number_of;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
@@ -13,18 +13,18 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_program::block::ContourEnd;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE], |act, _, _| extended(act)),
-    Entry::of(&[codes::COMP_DYN_FIXT_ON], |act, _, _| dynamic(act, true)),
-    Entry::of(&[codes::COMP_DYN_FIXT_OFF], |act, _, _| dynamic(act, false)),
-    Entry::of(&[codes::COMP_CORNER_ARC], |act, _, _| corner(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_CORNER_LINEAR], |act, _, _| corner(act, false)).contour(Contour::Waits),
-    Entry::of(&[codes::CONTOUR_ROUND], |act, _, _| round(act)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_3D_VECTOR], |act, _, _| vector(act)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE], |act, _, _| extended(act)),
+    ActionEntry::of(&[codes::COMP_DYN_FIXT_ON], |act, _, _| dynamic(act, true)),
+    ActionEntry::of(&[codes::COMP_DYN_FIXT_OFF], |act, _, _| dynamic(act, false)),
+    ActionEntry::of(&[codes::COMP_CORNER_ARC], |act, _, _| corner(act, true)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_CORNER_LINEAR], |act, _, _| corner(act, false)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CONTOUR_ROUND], |act, _, _| round(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_3D_VECTOR], |act, _, _| vector(act)).contour(CompensationEffect::Waits),
 ];
 
 /// An extended work offset: its register, in a range if the control has several.
-pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn extended(act: &mut ActionContext<'_, '_>) -> Acted {
     let range = whole(act, data::COMP_EXTFIXT_RANGE);
     let first = act.channel().env.machine.habits.first_extended.then_some(1);
     let Some(register) = whole(act, data::COMP_EXTFIXT_REG).or(first) else {
@@ -45,24 +45,24 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-fn whole(act: &mut Act<'_, '_>, id: DataId) -> Option<u32> {
+fn whole(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<u32> {
     act.take(id).map(|datum| datum.value).filter(|value| (0.0..=9999.0).contains(value)).map(|value| value as u32)
 }
 
 /// Dynamic fixture compensation.
-pub(super) fn dynamic(act: &mut Act<'_, '_>, on: bool) -> Acted {
+pub(super) fn dynamic(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     act.channel_mut().state.place.compensation.dynamic = on;
     super::mode::mode(act, if on { "comp dynfix on" } else { "comp dynfix off" })
 }
 
 /// Corners of compensated paths.
-pub(super) fn corner(act: &mut Act<'_, '_>, arc: bool) -> Acted {
+pub(super) fn corner(act: &mut ActionContext<'_, '_>, arc: bool) -> Acted {
     act.channel_mut().state.place.compensation.corner = if arc { 2 } else { 1 };
     super::mode::mode(act, if arc { "comp corner arc" } else { "comp corner linear" })
 }
 
 /// The outside corner after the pending move is an arc.
-fn round(act: &mut Act<'_, '_>) -> Acted {
+fn round(act: &mut ActionContext<'_, '_>) -> Acted {
     let last = act
         .channel_mut()
         .state
@@ -76,7 +76,7 @@ fn round(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The vector form of cutter compensation: number and direction.
-pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn vector(act: &mut ActionContext<'_, '_>) -> Acted {
     take_diameter(act);
     let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| act.take(id).map(|d| d.value));
     for (slot, word) in act.channel_mut().state.place.compensation.vector.iter_mut().zip(words) {
@@ -91,7 +91,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Takes the number of a diameter offset; the last one stays.
-pub(super) fn take_diameter(act: &mut Act<'_, '_>) -> Option<f64> {
+pub(super) fn take_diameter(act: &mut ActionContext<'_, '_>) -> Option<f64> {
     let number = act.take(data::COMP_DIAM).map(|datum| datum.value);
     if let Some(number) = number.filter(|number| (0.0..=999_999.0).contains(number)) {
         act.channel_mut().state.remembered.remember(data::COMP_DIAM, number);

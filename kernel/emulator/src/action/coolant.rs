@@ -5,31 +5,31 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::state::coolant::head;
 use crate::state::modal::group;
 use counterpoint_event::event::{Coolant, Kind, Outlet};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
+use counterpoint_machine::ident::kind::coolant::{CoolantFluid, CoolantTarget};
 use counterpoint_machine::ident::{codes, data};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] =
-    &[entry_of_kind!(CodeKind::Coolant(of) => |act, _row, _code| switch(act, of)).contour(Contour::Waits)];
+pub(crate) const ENTRIES: &[ActionEntry] =
+    &[entry_of_kind!(CodeKind::Coolant(of) => |act, _row, _code| switch(act, of)).contour(CompensationEffect::Waits)];
 
 /// Executes a code.
-pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
+pub(super) fn switch(act: &mut ActionContext<'_, '_>, switch: CoolantTarget) -> Acted {
     match switch {
-        Switch::Fluid(flow, outlet) => flows(act, flow, outlet),
-        Switch::Device(number, on) => report(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
-        Switch::Level(level) => {
+        CoolantTarget::Fluid(flow, outlet) => flows(act, flow, outlet),
+        CoolantTarget::Device(number, on) => report(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
+        CoolantTarget::Level(level) => {
             let pressure = act.channel().env.machine.pump.pressures.get(usize::from(level)).copied();
             set_pressure(act, pressure.unwrap_or(f64::from(level)));
         }
-        Switch::Pressure => match act.take(data::COOLANT_PRESSURE).map(|d| d.value) {
+        CoolantTarget::Pressure => match act.take(data::COOLANT_PRESSURE).map(|d| d.value) {
             Some(pressure) => set_pressure(act, pressure),
             None => {
                 let text = format!("a coolant pressure needs its value in '{}'", act.channel().block_text());
@@ -41,29 +41,29 @@ pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
 }
 
 /// The coolant that a spindle code brings along: its group follows.
-pub(super) fn with_spindle(act: &mut Act<'_, '_>, on: bool) {
+pub(super) fn with_spindle(act: &mut ActionContext<'_, '_>, on: bool) {
     let code = if on { codes::COOLANT_ON } else { codes::COOLANT_OFF };
     act.channel_mut().state.modal.activate(group::COOLANT, code, None);
-    flows(act, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
+    flows(act, if on { CoolantFluid::Again } else { CoolantFluid::Off }, Outlet::Main);
 }
 
-fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
+fn flows(act: &mut ActionContext<'_, '_>, flow: CoolantFluid, outlet: Outlet) {
     let fluid = match flow {
-        Flow::Off => 0,
-        Flow::Again => act.channel().state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
-        Flow::Fluid(fluid) => {
+        CoolantFluid::Off => 0,
+        CoolantFluid::Again => act.channel().state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
+        CoolantFluid::Fluid(fluid) => {
             act.channel_mut().state.others.coolant.note(fluid, outlet);
             fluid
         }
     };
-    report(act, Coolant { on: flow != Flow::Off, fluid, outlet });
+    report(act, Coolant { on: flow != CoolantFluid::Off, fluid, outlet });
 }
 
-fn report(act: &mut Act<'_, '_>, coolant: Coolant) {
+fn report(act: &mut ActionContext<'_, '_>, coolant: Coolant) {
     act.channel_mut().emit(0, Kind::Coolant(coolant));
 }
 
-fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
+fn set_pressure(act: &mut ActionContext<'_, '_>, wanted: f64) {
     let largest = act.channel().state.others.coolant.largest(&act.channel().env.machine.pump);
     let most = if largest > 0.0 { largest } else { f64::INFINITY };
     let pressure = wanted.max(0.0).min(most);

@@ -7,25 +7,28 @@ use counterpoint_machine::ident::{codes, data};
 
 use counterpoint_program::block::ContourEnd;
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::cutter;
-use crate::action::entry::{Contour, Entry};
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use counterpoint_fault::Acted;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::CORNER_CHAMFER], |act, _, _| cutter::corner_code(act, false)).contour(Contour::Waits),
-    Entry::of(&[codes::CORNER_ROUND], |act, _, _| cutter::corner_code(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::CONTOUR_SHARP], |act, _, _| ends(act, ContourEnd::Sharp)).contour(Contour::Waits),
-    Entry::of(&[codes::CONTOUR_EXTENDED], |act, _, _| {
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::CORNER_CHAMFER], |act, _, _| cutter::corner_code(act, false))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CORNER_ROUND], |act, _, _| cutter::corner_code(act, true))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CONTOUR_SHARP], |act, _, _| ends(act, ContourEnd::Sharp))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CONTOUR_EXTENDED], |act, _, _| {
         let by = act.take(data::CONTOUR_EXTENSION).map_or(0.0, |datum| datum.value.max(0.0));
         ends(act, ContourEnd::Extended(by))
     })
-    .contour(Contour::Waits),
-    Entry::of(&[codes::CONTOUR_OPEN], |act, _, _| ends(act, ContourEnd::Open)).contour(Contour::Waits),
+    .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CONTOUR_OPEN], |act, _, _| ends(act, ContourEnd::Open)).contour(CompensationEffect::Waits),
 ];
 
-fn ends(act: &mut Act<'_, '_>, end: ContourEnd) -> Acted {
+fn ends(act: &mut ActionContext<'_, '_>, end: ContourEnd) -> Acted {
     act.channel_mut().block.flags.end = end;
     Ok(())
 }

@@ -3,30 +3,31 @@
 //! Both channels have the code in their programs, or one of them alone has that of synchronous control. *Invariant:* a
 //! refusal comes before the channel waits.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use crate::state::coupling::{Coupling, Parking};
 use counterpoint_event::event::Kind as Logged;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::model::SyncDialect;
-use counterpoint_waits::coupling::{self, End, Kind, Pair};
+use counterpoint_waits::coupling::{self, CoupledAxis, CoupledPair, CouplingKind};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::COUPLE_SYNCHRONOUS], |act, _, _| on(act, Kind::Synchronous)),
-    Entry::of(&[codes::COUPLE_SYNCHRONOUS_OFF], |act, _, _| off(act, Kind::Synchronous)),
-    Entry::of(&[codes::COUPLE_COMPOSITE], |act, _, _| on(act, Kind::Composite)),
-    Entry::of(&[codes::COUPLE_COMPOSITE_OFF], |act, _, _| off(act, Kind::Composite)),
-    Entry::of(&[codes::COUPLE_SUPERIMPOSED], |act, _, _| on(act, Kind::Superimposed)),
-    Entry::of(&[codes::COUPLE_SUPERIMPOSED_OFF], |act, _, _| off(act, Kind::Superimposed)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::COUPLE_SYNCHRONOUS], |act, _, _| on(act, CouplingKind::Synchronous)),
+    ActionEntry::of(&[codes::COUPLE_SYNCHRONOUS_OFF], |act, _, _| off(act, CouplingKind::Synchronous)),
+    ActionEntry::of(&[codes::COUPLE_COMPOSITE], |act, _, _| on(act, CouplingKind::Composite)),
+    ActionEntry::of(&[codes::COUPLE_COMPOSITE_OFF], |act, _, _| off(act, CouplingKind::Composite)),
+    ActionEntry::of(&[codes::COUPLE_SUPERIMPOSED], |act, _, _| on(act, CouplingKind::Superimposed)),
+    ActionEntry::of(&[codes::COUPLE_SUPERIMPOSED_OFF], |act, _, _| off(act, CouplingKind::Superimposed)),
 ];
 
 /// Begins: both channels meet, then the axes are coupled.
-fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
+fn on(act: &mut ActionContext<'_, '_>, kind: CouplingKind) -> Acted {
     let named = (number(act, data::COUPLE_MASTER), number(act, data::COUPLE_SLAVE));
-    let parking = if kind == Kind::Synchronous { number(act, data::COUPLE_PARKING).unwrap_or(0.0) } else { 0.0 };
+    let parking =
+        if kind == CouplingKind::Synchronous { number(act, data::COUPLE_PARKING).unwrap_or(0.0) } else { 0.0 };
     let machine = act.channel().env.machine;
     let pair = coupling::end(machine, 'P', named.0)
         .and_then(|master| Ok((master, coupling::end(machine, 'Q', named.1)?)))
@@ -44,15 +45,15 @@ fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         return Ok(());
     }
     check_free(act, &pair)?;
-    if kind == Kind::Synchronous && act.couples_alone() {
+    if kind == CouplingKind::Synchronous && act.couples_alone() {
         return act.couple_alone(pair, parking);
     }
     act.couple(pair, parking)
 }
 
 /// Ends: both channels meet. Nothing happens where the axes are not coupled.
-fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
-    let by_pair = kind == Kind::Composite;
+fn off(act: &mut ActionContext<'_, '_>, kind: CouplingKind) -> Acted {
+    let by_pair = kind == CouplingKind::Composite;
     let master = if by_pair { Some(number(act, data::COUPLE_MASTER)) } else { None };
     let slave = number(act, data::COUPLE_SLAVE);
     let machine = act.channel().env.machine;
@@ -64,33 +65,33 @@ fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         pair.kind == kind && pair.slave == slave && master.is_none_or(|master| pair.master == master)
     };
     match act.channel().state.others.couplings.iter().find(is).map(|coupling| coupling.pair) {
-        Some(pair) if kind == Kind::Synchronous && act.couples_alone() => act.end_alone(pair),
+        Some(pair) if kind == CouplingKind::Synchronous && act.couples_alone() => act.end_alone(pair),
         Some(pair) => act.end_coupling(pair),
         None => Ok(()),
     }
 }
 
 /// Value of a word as the program writes it.
-fn number(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+fn number(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
     act.take(id).map(|datum| datum.raw)
 }
 
 /// Whether the channel runs alone, or the machine has no channels that meet.
-fn is_off(act: &Act<'_, '_>) -> bool {
+fn is_off(act: &ActionContext<'_, '_>) -> bool {
     act.channel().env.machine.sync.dialect == SyncDialect::None
         || act.channel().env.options.ignore_waits.contains(&act.channel().at.channel)
 }
 
 /// A slave has one master and is none itself, and an axis in composite control has no other part.
-fn check_free(act: &mut Act<'_, '_>, pair: &Pair) -> Acted {
-    let again = |other: &Pair| other == pair && pair.kind == Kind::Synchronous;
-    let both_lead = |other: &Pair| {
+fn check_free(act: &mut ActionContext<'_, '_>, pair: &CoupledPair) -> Acted {
+    let again = |other: &CoupledPair| other == pair && pair.kind == CouplingKind::Synchronous;
+    let both_lead = |other: &CoupledPair| {
         other.kind == pair.kind
-            && pair.kind != Kind::Composite
+            && pair.kind != CouplingKind::Composite
             && other.master == pair.master
             && other.slave != pair.slave
     };
-    let shares = |other: &Pair, end: End| other.master == end || other.slave == end;
+    let shares = |other: &CoupledPair, end: CoupledAxis| other.master == end || other.slave == end;
     let clash = |coupling: &&Coupling| {
         let other = &coupling.pair;
         !again(other) && !both_lead(other) && (shares(other, pair.master) || shares(other, pair.slave))
@@ -109,7 +110,7 @@ fn check_free(act: &mut Act<'_, '_>, pair: &Pair) -> Acted {
     Err(act.alarm(&diag::COUPLING_ILLEGAL, text))
 }
 
-fn illegal(act: &mut Act<'_, '_>, reason: &str) -> Halt {
+fn illegal(act: &mut ActionContext<'_, '_>, reason: &str) -> Halt {
     let text = format!("PS5339 {reason}, in '{}'", act.channel().block_text());
     act.alarm(&diag::COUPLING_ILLEGAL, text)
 }

@@ -3,9 +3,9 @@
 //! Facts: reference turning-cycles.md 10.2, siemens-cycles.md 2. Decisions: docs/emulation.md, "Cylindrical
 //! interpolation". *Invariant:* the axes stay where they are when it begins and ends.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
-use crate::state::frames::polar::Polar;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
+use crate::state::frames::polar::PolarInterpolation;
 use crate::state::modal::{group, plane};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
@@ -15,15 +15,17 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] =
-    &[Entry::of(&[codes::CYLINDER_ON], |act, _, _| on(act)), Entry::of(&[codes::CYLINDER_MAP], |act, _, _| map(act))];
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::CYLINDER_ON], |act, _, _| on(act)),
+    ActionEntry::of(&[codes::CYLINDER_MAP], |act, _, _| map(act)),
+];
 
 /// Rotary axes of the workpiece, each with the role of the linear axis that it turns about.
 const TURNS_ABOUT: [(DataId, usize); 4] =
     [(data::AXIS_CT, 2), (data::AXIS_CT2, 2), (data::AXIS_BT, 1), (data::AXIS_AT, 0)];
 
 /// Switches it on with the radius of the block, or off with radius 0.
-fn on(act: &mut Act<'_, '_>) -> Acted {
+fn on(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some((radius, rotary, cartesian)) = radius(act) else {
         let text = format!("'{}' gives no rotary axis and no radius of a cylinder", act.channel().block_text());
         act.diagnose(&diag::NO_CYLINDER, text);
@@ -35,14 +37,14 @@ fn on(act: &mut Act<'_, '_>) -> Acted {
     begin(act, (radius, rotary, cartesian))
 }
 
-fn off(act: &mut Act<'_, '_>) -> Acted {
+fn off(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
     super::polar::off(act)
 }
 
 /// Switches it on for the linear and the rotary axis that the block names, off without any. The radius is that of the
 /// block or the last one; without a linear axis the block only gives one.
-fn map(act: &mut Act<'_, '_>) -> Acted {
+fn map(act: &mut ActionContext<'_, '_>) -> Acted {
     let radius = act.take(data::CYLINDER_RADIUS).map(|datum| datum.value);
     let mut named = |id| act.channel().state.place.axis_of_data(id).filter(|_| act.take(id).is_some());
     let rotary = TURNS_ABOUT.into_iter().find_map(|(id, role)| Some((named(id)?, role)));
@@ -69,7 +71,7 @@ fn map(act: &mut Act<'_, '_>) -> Acted {
     begin(act, (radius, rotary, true))
 }
 
-fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
+fn begin(act: &mut ActionContext<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     super::polar::not_tilted(act)?;
     let plane = act.channel().state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
     let found = rotary.filter(|_| radius > 0.0 && radius.is_finite()).and_then(|(axis, role)| {
@@ -77,7 +79,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
         // Coordinates are those of the plane whose second axis is the linear one, as Y and Z.
         let round_first =
             if cartesian { role == 2 } else { *plane.filter(|roles| roles.contains(&role))?.last()? == role };
-        Some(Polar::cylinder([linear, axis], radius, round_first, cartesian))
+        Some(PolarInterpolation::cylinder([linear, axis], radius, round_first, cartesian))
     });
     let Some(cylinder) = found else {
         let text = format!(
@@ -98,7 +100,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
 /// a word of its own, or it is the word of the axis.
 type Given = (f64, Option<(AxisSlot, usize)>, bool);
 
-fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
+fn radius(act: &mut ActionContext<'_, '_>) -> Option<Given> {
     let axes = TURNS_ABOUT.map(|(id, role)| (id, act.channel().state.place.axis_of_data(id).map(|axis| (axis, role))));
     if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
         return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
@@ -110,7 +112,7 @@ fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
 }
 
 /// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.
-pub(super) fn in_plane(act: &Act<'_, '_>, polar: &Polar) -> bool {
+pub(super) fn in_plane(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> bool {
     let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
     let role = |axis: AxisSlot| {
         let y = if axis == polar.rotary { Some(1) } else { None };

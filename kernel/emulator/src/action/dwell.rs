@@ -3,23 +3,23 @@
 use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::plausible::{LONGEST_DWELL, hours};
-use crate::state::spindle::{Turning, stopped};
+use crate::state::spindle::{SpindleRotation, stopped};
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::{DataId, data};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::DELAY], |act, _, _| seconds(act)).contour(Contour::Waits),
-    Entry::of(&[codes::DELAY_REV], |act, _, _| revolutions(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::DELAY], |act, _, _| seconds(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::DELAY_REV], |act, _, _| revolutions(act)),
 ];
 
 /// Dwell in seconds.
-pub(super) fn seconds(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn seconds(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(seconds) = act.take_seconds(data::DELAY) else {
         if act.channel().env.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(act);
@@ -32,7 +32,7 @@ pub(super) fn seconds(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Dwell in revolutions of the spindle.
-pub(super) fn revolutions(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn revolutions(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(datum) = act.take(data::DELAY_REV) else {
         let text = format!("a dwell needs its revolutions in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
@@ -41,7 +41,7 @@ pub(super) fn revolutions(act: &mut Act<'_, '_>) -> Acted {
     turns(act, datum.value)
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
     pub(super) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
         let pointed = self.channel().env.machine.habits.dwell.pointed && self.is_pointed(id);
@@ -65,9 +65,9 @@ impl Act<'_, '_> {
     }
 }
 
-fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
+fn turns(act: &mut ActionContext<'_, '_>, revolutions: f64) -> Acted {
     let minutes = match act.speed_from_now()? {
-        Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
+        Some(SpindleRotation::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
         Some(turning) => {
             revolutions / turning.rpm(act.channel().state.place.radius(&act.channel().state.place.position))
         }
@@ -87,14 +87,14 @@ fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
 }
 
 /// A dwell of a cycle: positive seconds, negative revolutions, 0 none.
-pub(super) fn of_cycle(act: &mut Act<'_, '_>, amount: f64) -> Acted {
+pub(super) fn of_cycle(act: &mut ActionContext<'_, '_>, amount: f64) -> Acted {
     if amount < 0.0 {
         return turns(act, -amount);
     }
     if amount > 0.0 { dwell(act, amount) } else { Ok(()) }
 }
 
-fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
+fn dwell(act: &mut ActionContext<'_, '_>, seconds: f64) -> Acted {
     if seconds <= 0.0 {
         let text = format!("a dwell of {seconds} s in '{}' takes no time", act.channel().block_text());
         act.diagnose(&diag::DWELL_NOT_POSITIVE, text);

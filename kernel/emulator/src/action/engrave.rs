@@ -8,8 +8,8 @@ use crate::state::text;
 use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::lettering::{self, GAP};
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use crate::state::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
@@ -18,7 +18,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::ENGRAVE], |act, _, _| engrave(act))];
+pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::ENGRAVE], |act, _, _| engrave(act))];
 
 /// The variable with the number of the next part.
 const SERIAL: u32 = 599;
@@ -35,8 +35,8 @@ struct Lie {
     clear: f64,
 }
 
-fn engrave(act: &mut Act<'_, '_>) -> Acted {
-    let value = |act: &mut Act<'_, '_>, id| act.take(id).map(|datum| datum.value);
+fn engrave(act: &mut ActionContext<'_, '_>) -> Acted {
+    let value = |act: &mut ActionContext<'_, '_>, id| act.take(id).map(|datum| datum.value);
     let kind = value(act, data::ENGRAVE_KIND).unwrap_or(0.0);
     let angle = value(act, data::ENGRAVE_ANGLE).unwrap_or(0.0);
     let height = value(act, data::ENGRAVE_HEIGHT).unwrap_or(USUAL);
@@ -77,7 +77,7 @@ fn engrave(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The text to be engraved; none if the block only sets the number of the next part.
-fn text(act: &mut Act<'_, '_>, kind: f64) -> Result<Option<String>, Halt> {
+fn text(act: &mut ActionContext<'_, '_>, kind: f64) -> Result<Option<String>, Halt> {
     if (32.0..=126.0).contains(&kind) {
         return Ok(Some(char::from(kind as u8).to_string()));
     }
@@ -119,7 +119,7 @@ fn remark(block: &[u8]) -> Option<String> {
 }
 
 fn cut(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     lie: &Lie,
     text: &str,
     (plunge, feed, unit): (Option<f64>, Option<f64>, FeedUnit),
@@ -151,7 +151,7 @@ fn cut(
     Ok(())
 }
 
-fn refuse(act: &mut Act<'_, '_>, why: &str) -> Acted {
+fn refuse(act: &mut ActionContext<'_, '_>, why: &str) -> Acted {
     let text = format!("'{}' is not engraved: {why}", act.channel().block_text());
     Err(act.alarm(&diag::CYCLE_REFUSED, text))
 }

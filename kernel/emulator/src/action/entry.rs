@@ -5,18 +5,18 @@
 use counterpoint_fault::Acted;
 
 use super::{cutter, cycle};
-use crate::act::{Act, CodeAction};
+use crate::act::{ActionContext, CodeAction};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// Action of a code, with its row and its written form.
-pub(crate) type ActFn = fn(&mut Act<'_, '_>, &CodeRow, &PendingCode) -> Acted;
+pub(crate) type ActFn = fn(&mut ActionContext<'_, '_>, &CodeRow, &PendingCode) -> Acted;
 
 /// Which codes an entry takes.
 #[derive(Debug, Clone, Copy)]
-enum Codes {
+enum CodeSelector {
     /// These.
     Listed(&'static [CodeId]),
     /// Those of a kind.
@@ -25,7 +25,7 @@ enum Codes {
 
 /// Effect of an action on a move that compensation of the tool radius keeps back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Contour {
+pub(crate) enum CompensationEffect {
     /// A move along the contour.
     Follows,
     /// Nothing: the move may wait longer.
@@ -40,23 +40,23 @@ pub(crate) enum Contour {
 
 /// A built-in action.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Entry {
-    codes: Codes,
+pub(crate) struct ActionEntry {
+    codes: CodeSelector,
     act: ActFn,
     /// A motion code of the program, which meets an active cycle.
     moves: bool,
-    contour: Contour,
+    contour: CompensationEffect,
 }
 
-impl Entry {
+impl ActionEntry {
     /// The action of these codes.
     pub(crate) const fn of(codes: &'static [CodeId], act: ActFn) -> Self {
-        Self { codes: Codes::Listed(codes), act, moves: false, contour: Contour::Ends }
+        Self { codes: CodeSelector::Listed(codes), act, moves: false, contour: CompensationEffect::Ends }
     }
 
     /// The action of the codes of a kind.
     pub(crate) const fn of_kind(takes: fn(CodeKind) -> bool, act: ActFn) -> Self {
-        Self { codes: Codes::OfKind(takes), act, moves: false, contour: Contour::Ends }
+        Self { codes: CodeSelector::OfKind(takes), act, moves: false, contour: CompensationEffect::Ends }
     }
 
     /// It moves the tool as the program says.
@@ -65,29 +65,29 @@ impl Entry {
     }
 
     /// Its effect on a move that is held back.
-    pub(crate) const fn contour(self, contour: Contour) -> Self {
+    pub(crate) const fn contour(self, contour: CompensationEffect) -> Self {
         Self { contour, ..self }
     }
 
     /// Whether it takes this code.
     pub(super) fn takes(&self, id: CodeId) -> bool {
         match self.codes {
-            Codes::Listed(codes) => codes.contains(&id),
-            Codes::OfKind(takes) => takes(id.kind()),
+            CodeSelector::Listed(codes) => codes.contains(&id),
+            CodeSelector::OfKind(takes) => takes(id.kind()),
         }
     }
 }
 
-impl CodeAction for Entry {
+impl CodeAction for ActionEntry {
     #[inline]
-    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         if act.channel().state.cycle.running && self.moves && !code.modal {
             cycle::meets_motion(act)?;
         }
         if act.channel().state.place.frames.is_some() {
             cutter::before(act, self.contour, row.id)?;
         }
-        if self.moves && self.contour == Contour::Follows && cutter::has_words(act, row.id) {
+        if self.moves && self.contour == CompensationEffect::Follows && cutter::has_words(act, row.id) {
             return cutter::with_words(act, row.id, |act| (self.act)(act, row, code));
         }
         (self.act)(act, row, code)
@@ -97,7 +97,7 @@ impl CodeAction for Entry {
 /// An entry for the codes of a kind: its pattern, and its action on the values that the pattern binds.
 macro_rules! entry_of_kind {
     ($pattern:pat => |$act:ident, $row:ident, $code:ident| $body:expr) => {
-        $crate::action::entry::Entry::of_kind(
+        $crate::action::entry::ActionEntry::of_kind(
             #[allow(unused_variables)]
             |kind| matches!(kind, $pattern),
             |$act, $row, $code| match $row.id.kind() {

@@ -3,8 +3,8 @@
 //! Facts: reference heidenhain-cycles.md 6 (M103, M109 to M111, M116). *Invariant:* a share of the feed makes a move
 //! down slower, never faster. Decision: arcs round corners outside keep the feed, since the edge stands there.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use crate::state::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault::Acted;
@@ -12,17 +12,17 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::FEED_DOWN], |act, _, _| down(act)),
-    Entry::of(&[codes::FEED_ROTARY_LENGTH], |act, _, _| rotary(act, true)),
-    Entry::of(&[codes::FEED_ROTARY_ANGLE], |act, _, _| rotary(act, false)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::FEED_DOWN], |act, _, _| down(act)),
+    ActionEntry::of(&[codes::FEED_ROTARY_LENGTH], |act, _, _| rotary(act, true)),
+    ActionEntry::of(&[codes::FEED_ROTARY_ANGLE], |act, _, _| rotary(act, false)),
 ];
 
 /// Modal group of the edge.
 const EDGE: u16 = 149;
 
 /// The share of the feed that moves down keep to; without one they have the feed.
-fn down(act: &mut Act<'_, '_>) -> Acted {
+fn down(act: &mut ActionContext<'_, '_>) -> Acted {
     let share = act.take(data::DOWN_FEED).map(|datum| datum.value / 100.0).filter(|share| *share > 0.0);
     act.channel_mut().state.place.frames().feeds.down = share;
     act.channel_mut().state.place.frames_changed();
@@ -35,13 +35,13 @@ fn down(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The feed of rotary axes is a length or an angle.
-fn rotary(act: &mut Act<'_, '_>, length: bool) -> Acted {
+fn rotary(act: &mut ActionContext<'_, '_>, length: bool) -> Acted {
     act.channel_mut().state.place.frames().feeds.rotary_length = length;
     act.channel_mut().state.place.frames_changed();
     super::mode::mode(act, if length { "feed rotary length" } else { "feed rotary angle" })
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Feed of a move in the work frame, along which the feed counts a length: one that goes down keeps to its share.
     #[cold]
     pub(super) fn feed_down(&self, feed: Option<f64>, unit: FeedUnit, changes: &Position, length: f64) -> Option<f64> {

@@ -9,23 +9,23 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::{DataId, codes};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::local::{Local, Part, Programmed};
+use counterpoint_motion::frame::local::{LocalFrame, LocalFramePart, Programmed};
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::cutter;
-use crate::action::entry::Entry;
-use crate::state::figure::{Copy, Figure};
+use crate::action::entry::ActionEntry;
+use crate::state::figure::{CopiedFigure, Copy};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::FIGURE_TURN], |act, _, _| turn(act)),
-    Entry::of(&[codes::FIGURE_SHIFT], |act, _, _| shift(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::FIGURE_TURN], |act, _, _| turn(act)),
+    ActionEntry::of(&[codes::FIGURE_SHIFT], |act, _, _| shift(act)),
 ];
 
 const CENTER: [DataId; 3] = [data::LCS_ROT_CENTER_X, data::LCS_ROT_CENTER_Y, data::LCS_ROT_CENTER_Z];
 const STEP: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
 
-fn turn(act: &mut Act<'_, '_>) -> Acted {
+fn turn(act: &mut ActionContext<'_, '_>) -> Acted {
     let center = lengths(act, CENTER);
     let Some(angle) = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value) else {
         return missing(act, "the angle of its copies");
@@ -33,13 +33,13 @@ fn turn(act: &mut Act<'_, '_>) -> Acted {
     call(act, Copy::Turned(angle, center))
 }
 
-fn shift(act: &mut Act<'_, '_>) -> Acted {
+fn shift(act: &mut ActionContext<'_, '_>) -> Acted {
     let by = lengths(act, STEP);
     call(act, Copy::Shifted(by))
 }
 
 /// Lengths as geometry, 0 without a word.
-fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
+fn lengths(act: &mut ActionContext<'_, '_>, ids: [DataId; 3]) -> Point {
     let mut taken = [0.0; 3];
     for (role, (slot, id)) in taken.iter_mut().zip(ids).enumerate() {
         let scale = act.channel().state.place.scale_of(role);
@@ -48,7 +48,7 @@ fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
     taken
 }
 
-fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
+fn missing(act: &mut ActionContext<'_, '_>, what: &str) -> Acted {
     let text = format!("a figure copy needs {what} in '{}'; nothing is copied", act.channel().block_text());
     act.diagnose(&diag::DATA_MISSING, text);
     act.take(data::CALSUB_ID);
@@ -56,7 +56,7 @@ fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
     act.channel().check_stop()
 }
 
-fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
+fn call(act: &mut ActionContext<'_, '_>, copy: Copy) -> Acted {
     let id = act.take(data::CALSUB_ID).map(|datum| datum.value);
     let repeat = act.take(data::CALSUB_REPEAT).map(|datum| datum.value);
     let Some(program) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
@@ -64,31 +64,32 @@ fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     act.flush_lookahead()?;
-    let base = act.channel().state.place.frames.as_deref().map_or_else(Local::default, |frames| frames.local.clone());
+    let base =
+        act.channel().state.place.frames.as_deref().map_or_else(LocalFrame::default, |frames| frames.local.clone());
     let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
-    act.call_figure(program as u32, passes, Box::new(Figure { copy, made: 0, base }));
+    act.call_figure(program as u32, passes, Box::new(CopiedFigure { copy, made: 0, base }));
     Ok(())
 }
 
 /// The part that a copy adds to the local frame.
-fn part(act: &Act<'_, '_>, figure: &Figure) -> Option<(Part, Programmed)> {
+fn part(act: &ActionContext<'_, '_>, figure: &CopiedFigure) -> Option<(LocalFramePart, Programmed)> {
     let times = f64::from(figure.made);
     match figure.copy {
         Copy::Turned(angle, center) => {
             let about = super::local::normal(act);
             let map = Affine::rotation(about, angle * times)?.around(center);
             let given = Programmed { map, values: about, center: Some(center), order: "IJK", angle: angle * times };
-            Some((Part::Rotate, given))
+            Some((LocalFramePart::Rotate, given))
         }
         Copy::Shifted(by) => {
             let by = by.map(|step| step * times);
-            Some((Part::Translate, Programmed::new(Affine::translation(by), by)))
+            Some((LocalFramePart::Translate, Programmed::new(Affine::translation(by), by)))
         }
     }
 }
 
 /// The frame of the next copy (`on`), or the frame before all copies.
-pub(super) fn put(act: &mut Act<'_, '_>, figure: &Figure, on: bool) -> Acted {
+pub(super) fn put(act: &mut ActionContext<'_, '_>, figure: &CopiedFigure, on: bool) -> Acted {
     act.flush_lookahead()?;
     let levels = act.channel_mut().cycle_levels();
     let before = act.channel().counts_from();

@@ -3,8 +3,8 @@
 //! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
 use super::offset_words::{in_machine_frame, length_changed, put_length};
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::state::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault as diag;
@@ -15,19 +15,19 @@ use counterpoint_machine::index::{AxisId, BySlot};
 use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::POSITION_MACHINE], |act, _, _| machine_frame(act)).contour(Contour::Leaves),
-    Entry::of(&[codes::POSITION_PRESET], |act, _, _| preset(act)),
-    Entry::of(&[codes::POSITION_PRESET_OFF], |act, _, _| preset_off(act)),
-    Entry::of(&[codes::COMP_WORKP_ON], |act, _, _| work_offset(act)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_WORKP_OFF], |act, _, _| work_offset_off(act)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::POSITION_MACHINE], |act, _, _| machine_frame(act)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::POSITION_PRESET], |act, _, _| preset(act)),
+    ActionEntry::of(&[codes::POSITION_PRESET_OFF], |act, _, _| preset_off(act)),
+    ActionEntry::of(&[codes::COMP_WORKP_ON], |act, _, _| work_offset(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_WORKP_OFF], |act, _, _| work_offset_off(act)).contour(CompensationEffect::Waits),
     entry_of_kind!(CodeKind::Length { sign, set } => |act, _row, _code| length(act, sign.into(), set))
-        .contour(Contour::Waits),
+        .contour(CompensationEffect::Waits),
 ];
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
 /// any frame.
-pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn machine_frame(act: &mut ActionContext<'_, '_>) -> Acted {
     // The mode that the block says, wherever it says so, otherwise the active one.
     let code = |pending: &PendingCode| Some(&act.channel().env.machine.codes[pending.row]).filter(|row| row.enable);
     let rows = act.channel().block.pending.iter().rev().filter_map(code);
@@ -50,7 +50,7 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The position of the axes gets the programmed values.
-pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn preset(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().state.place.tilted().is_some() {
         let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.channel().block_text());
         return Err(act.alarm(&diag::FRAME_REFUSED, text));
@@ -63,7 +63,7 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     }
     // Nothing turns: words are positions, also of axes whose words are angles.
     let angles = std::mem::take(&mut act.channel_mut().state.place.layout.angles);
-    let (coded, target) = act.without_polar_words(Act::targets);
+    let (coded, target) = act.without_polar_words(ActionContext::targets);
     act.channel_mut().state.place.layout.angles = angles;
     if coded == 0 {
         return Ok(());
@@ -83,7 +83,7 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Ends presets and the local shift of the axes that the block names.
-fn preset_off(act: &mut Act<'_, '_>) -> Acted {
+fn preset_off(act: &mut ActionContext<'_, '_>) -> Acted {
     let mut coded = 0_u8;
     for slot in act.channel().state.place.layout.axes.ids() {
         let id = act.channel().state.place.layout.axes[slot].data;
@@ -99,7 +99,7 @@ fn preset_off(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Selects a work offset.
-pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn work_offset(act: &mut ActionContext<'_, '_>) -> Acted {
     let number = act.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     act.missing_work_offset(number);
@@ -111,7 +111,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Cancels work offsets.
-pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn work_offset_off(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().state.place.in_force.work_offset = 0;
     act.channel_mut().emit(0, Kind::mode("comp workp off"));
     act.reframe();
@@ -119,7 +119,7 @@ pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Tool length compensation of a type (1 to 4) with the H word; sign 0 cancels.
-pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
+pub(super) fn length(act: &mut ActionContext<'_, '_>, sign: f64, set: u8) -> Acted {
     let asks = sign != 0.0 || act.block_has(data::COMP_LENGTH);
     let number = if asks { act.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
     let ends_tip = sign == 0.0 && act.channel().state.place.tip().is_some_and(|tip| tip.with_length);
@@ -150,14 +150,14 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
 }
 
 /// Length compensation that another code brings along.
-pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
+pub(super) fn length_on(act: &mut ActionContext<'_, '_>, number: u32) {
     put_length(act, 1.0, number);
     act.channel_mut()
         .emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
     act.reframe();
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
     /// offsets. Otherwise all are at the part zero, as G54 is.
     pub(super) fn missing_work_offset(&mut self, number: u32) {

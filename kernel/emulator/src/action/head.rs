@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 4.3, 6.3. Decision: codes of heads without built-in processing raise the tool
 //! event; on a machine without its macro they are ignored with a message.
 
-use crate::act::Act;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -14,15 +14,15 @@ use counterpoint_machine::ident::kind::head::HeadEvent;
 use counterpoint_machine::rows::CodeRow;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::HEAD_MAIN], |act, _, _| load(act, Some(1))),
-    Entry::of(&[codes::HEAD_SIDE], |act, _, _| load(act, Some(2))),
-    Entry::of(&[codes::HEAD_ID], |act, _, _| load(act, None)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::HEAD_MAIN], |act, _, _| load(act, Some(1))),
+    ActionEntry::of(&[codes::HEAD_SIDE], |act, _, _| load(act, Some(2))),
+    ActionEntry::of(&[codes::HEAD_ID], |act, _, _| load(act, None)),
     entry_of_kind!(CodeKind::Head(event) => |act, row, _code| other(act, event, row)),
 ];
 
 /// Loads a head: main 1, side 2, or the head that the word names.
-pub(super) fn load(act: &mut Act<'_, '_>, number: Option<u32>) -> Acted {
+pub(super) fn load(act: &mut ActionContext<'_, '_>, number: Option<u32>) -> Acted {
     let word = number.map(f64::from).or_else(|| act.take(data::HEAD_ID).map(|d| d.value));
     let Some(id) = word.and_then(valid) else {
         let text = format!("no head is named in '{}'", act.channel().block_text());
@@ -34,7 +34,7 @@ pub(super) fn load(act: &mut Act<'_, '_>, number: Option<u32>) -> Acted {
 }
 
 /// Raises the event of another code of heads.
-pub(super) fn other(act: &mut Act<'_, '_>, event: HeadEvent, row: &CodeRow) -> Acted {
+pub(super) fn other(act: &mut ActionContext<'_, '_>, event: HeadEvent, row: &CodeRow) -> Acted {
     if !act.has_tool_macro() {
         act.without_action(row.id);
         return Ok(());

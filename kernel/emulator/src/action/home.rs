@@ -2,10 +2,10 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
-use crate::state::channel::Channel;
-use crate::state::position::Axis;
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::channel::ChannelContext;
+use crate::state::position::ChannelAxis;
 use crate::trace::{self, ACTION};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
@@ -17,12 +17,12 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::GOHOME], |act, _, _| go(act, 1)).contour(Contour::Leaves),
-    Entry::of(&[codes::GOHOME_NTH], |act, _, _| go_nth(act)).contour(Contour::Leaves),
-    Entry::of(&[codes::GOHOME_FLOATING], |act, _, _| go(act, FLOATING)).contour(Contour::Leaves),
-    Entry::of(&[codes::GOHOME_CHECK], |act, _, _| check(act)).contour(Contour::Leaves),
-    Entry::of(&[codes::GOHOME_RETURN], |act, _, _| come_back(act)).contour(Contour::Leaves),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::GOHOME], |act, _, _| go(act, 1)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::GOHOME_NTH], |act, _, _| go_nth(act)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::GOHOME_FLOATING], |act, _, _| go(act, FLOATING)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::GOHOME_CHECK], |act, _, _| check(act)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::GOHOME_RETURN], |act, _, _| come_back(act)).contour(CompensationEffect::Leaves),
 ];
 
 /// Marks the floating reference point.
@@ -32,7 +32,7 @@ const FLOATING: usize = 5;
 const AT_REFERENCE: f64 = 0.001;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
-pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
+pub(super) fn go(act: &mut ActionContext<'_, '_>, number: usize) -> Acted {
     if act.channel().env.machine.habits.home == Home::Machine {
         return straight(act, number);
     }
@@ -52,7 +52,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
 }
 
 /// Point `number` of an axis in the machine frame.
-fn reference(axis: &Axis, number: usize) -> Option<f64> {
+fn reference(axis: &ChannelAxis, number: usize) -> Option<f64> {
     match number {
         1 => Some(axis.home),
         FLOATING => axis.floating,
@@ -61,8 +61,8 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 }
 
 /// Reports a reference point that the machine does not have for all axes that go there.
-fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
-    let lacks = |axis: &Axis| reference(axis, number).is_none();
+fn check_reference(act: &mut ActionContext<'_, '_>, coded: u8, number: usize) -> Acted {
+    let lacks = |axis: &ChannelAxis| reference(axis, number).is_none();
     if act.channel().state.place.layout.axes.entries().any(|(slot, axis)| coded & slot.bit() != 0 && lacks(axis)) {
         let name = if number == FLOATING {
             "the floating reference point".into()
@@ -76,7 +76,7 @@ fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
 }
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
-fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
+fn straight(act: &mut ActionContext<'_, '_>, number: usize) -> Acted {
     act.channel_mut().state.place.home_via = Some(act.channel().state.place.position);
     let (coded, target) = machine_targets(act);
     if coded != 0 {
@@ -88,26 +88,26 @@ fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
 }
 
 /// All axes of the channel, bit by axis.
-fn every_axis(act: &Act<'_, '_>) -> u8 {
+fn every_axis(act: &ActionContext<'_, '_>) -> u8 {
     act.channel().state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
 }
 
 /// The axes that have the point; all axes if none has it, so that this is reported.
-fn with_reference(act: &Act<'_, '_>, number: usize) -> u8 {
+fn with_reference(act: &ActionContext<'_, '_>, number: usize) -> u8 {
     let axes = act.channel().state.place.layout.axes.entries().filter(|(_, axis)| reference(axis, number).is_some());
     let found = axes.fold(0, |bits, (slot, _)| bits | slot.bit());
     if found == 0 { every_axis(act) } else { found }
 }
 
 /// Takes the axis words as positions of the machine frame.
-pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
+pub(super) fn machine_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     let before = std::mem::replace(&mut act.channel_mut().block.flags.machine_frame, true);
     let taken = act.targets();
     act.channel_mut().block.flags.machine_frame = before;
     taken
 }
 
-fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
+fn to_reference(act: &mut ActionContext<'_, '_>, coded: u8, number: usize) -> Acted {
     let mut target = act.channel().state.place.machine_point(&act.channel().state.place.position);
     for (slot, axis) in act.channel().state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
@@ -121,7 +121,7 @@ fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
 }
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
-fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
+fn home_text(channel: &ChannelContext<'_>, coded: u8, number: usize) -> String {
     let axes = channel.state.place.layout.axes.ids().filter(|axis| coded & axis.bit() != 0);
     let mut items: Vec<String> = axes.map(|axis| channel.axis_name(axis)).collect();
     if number > 1 {
@@ -131,11 +131,11 @@ fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
 }
 
 /// A rapid move after which every axis of the block must be at its first reference point.
-fn check(act: &mut Act<'_, '_>) -> Acted {
+fn check(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     act.rapid_to(coded, target)?;
     let machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
-    let is_off = |slot: AxisSlot, axis: &Axis| {
+    let is_off = |slot: AxisSlot, axis: &ChannelAxis| {
         let home = act.next_to(slot, machine.at(slot), axis.home);
         coded & slot.bit() != 0 && (machine.at(slot) - home).abs() > AT_REFERENCE
     };
@@ -149,7 +149,7 @@ fn check(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// To the second, third or fourth reference point; 2 without a number.
-pub(super) fn go_nth(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn go_nth(act: &mut ActionContext<'_, '_>) -> Acted {
     let number = act.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
     if ![2.0, 3.0, 4.0].contains(&number) {
         let text =
@@ -162,7 +162,7 @@ pub(super) fn go_nth(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// From the reference point via the last intermediate point to the programmed one.
-pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn come_back(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     if coded == 0 {
         return Ok(());

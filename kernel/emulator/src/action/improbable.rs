@@ -3,12 +3,12 @@
 //!
 //! *Invariant:* nothing here changes a move or its time. Feed moves that need no look cost one comparison.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::thread::EVEN;
-use crate::action::time::Path;
+use crate::action::time::TimedPath;
 use crate::state::plausible::hours;
-use crate::state::spindle::Turning;
-use counterpoint_event::event::{Direction, FeedUnit};
+use crate::state::spindle::SpindleRotation;
+use counterpoint_event::event::{FeedUnit, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
@@ -17,13 +17,13 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Reports a rigid tap whose feed is above the rate of its axis, once in a program.
     pub(super) fn check_tap_rate(&mut self, (feed, unit): (Option<f64>, FeedUnit), axis: AxisSlot) -> Acted {
         let Some(feed) = feed.filter(|_| !self.channel().reports.plausible.thread) else { return Ok(()) };
         let asked = match (unit, self.spindle_speed()?) {
             (FeedUnit::PerMinute, _) => feed,
-            (FeedUnit::PerRevolution, Some(Turning::Fixed(rpm))) => feed * rpm,
+            (FeedUnit::PerRevolution, Some(SpindleRotation::Fixed(rpm))) => feed * rpm,
             _ => return Ok(()),
         };
         let most = self.channel().state.place.layout.axes[axis].rapid * 60.0;
@@ -41,7 +41,7 @@ impl Act<'_, '_> {
 
     /// Looks at a feed per minute that is above [`look_above`](crate::state::plausible::Plausible).
     #[cold]
-    pub(super) fn look_at_feed(&mut self, feed: f64, path: &Path<'_>) -> Acted {
+    pub(super) fn look_at_feed(&mut self, feed: f64, path: &TimedPath<'_>) -> Acted {
         let again = self.look_at_spindle(path)?;
         self.channel_mut().reports.plausible.look_above = if again { 0.0 } else { f64::INFINITY };
         if self.channel().reports.plausible.feed {
@@ -105,7 +105,7 @@ impl Act<'_, '_> {
 
     /// Reports the first move at feed while the spindle is off, where the machine asks for it; returns whether the next
     /// move has to be looked at as well, because this one is an exception.
-    fn look_at_spindle(&mut self, path: &Path<'_>) -> Result<bool, Halt> {
+    fn look_at_spindle(&mut self, path: &TimedPath<'_>) -> Result<bool, Halt> {
         let asked = self.channel().env.machine.habits.feed_needs_spindle && !self.channel().reports.plausible.spindle;
         let own = self.channel().state.spindle.id.is_some() && !self.channel().state.spindle.shared;
         if !(asked && own) {
@@ -118,7 +118,7 @@ impl Act<'_, '_> {
             return Ok(false);
         }
         // Stopped at an angle on purpose: fine boring, broaching.
-        if self.channel().state.spindle.command.direction == Direction::Oriented {
+        if self.channel().state.spindle.command.direction == SpindleDirection::Oriented {
             return Ok(false);
         }
         if self.only_turns(path) {
@@ -137,7 +137,7 @@ impl Act<'_, '_> {
     }
 
     /// Whether only rotary axes move: they position the part or the head.
-    fn only_turns(&self, path: &Path<'_>) -> bool {
+    fn only_turns(&self, path: &TimedPath<'_>) -> bool {
         let moves = |slot: AxisSlot| path.from.at(slot) != path.to.at(slot);
         let mut moving = self.channel().state.place.layout.axes.entries().filter(|(slot, _)| moves(*slot)).peekable();
         // A whole circle ends where it begins.

@@ -5,8 +5,8 @@
 //! distances to circle centres change like those to their ends (examples of the same section). *Invariant:* only the
 //! words of the block change, before its motion takes them.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::dimension::Dimension;
@@ -15,17 +15,17 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::BySlot;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::TOOL_LENGTHEN], |act, _, _| lengthen(act, 1.0)).contour(Contour::Waits),
-    Entry::of(&[codes::TOOL_SHORTEN], |act, _, _| lengthen(act, -1.0)).contour(Contour::Waits),
-    Entry::of(&[codes::TOOL_LENGTHEN_TWICE], |act, _, _| lengthen(act, 2.0)).contour(Contour::Waits),
-    Entry::of(&[codes::TOOL_SHORTEN_TWICE], |act, _, _| lengthen(act, -2.0)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::TOOL_LENGTHEN], |act, _, _| lengthen(act, 1.0)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::TOOL_SHORTEN], |act, _, _| lengthen(act, -1.0)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::TOOL_LENGTHEN_TWICE], |act, _, _| lengthen(act, 2.0)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::TOOL_SHORTEN_TWICE], |act, _, _| lengthen(act, -2.0)).contour(CompensationEffect::Waits),
 ];
 
 const CENTERS: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
 
 /// Lengthens the distances of the block by a multiple of the offset.
-fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
+fn lengthen(act: &mut ActionContext<'_, '_>, times: f64) -> Acted {
     super::compensation::take_diameter(act);
     if act.channel().state.cycle.running {
         return Ok(());
@@ -38,19 +38,19 @@ fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
         if axis.rotary {
             continue;
         }
-        let way = if relative { Way::Distance } else { Way::From(stands.at(slot)) };
+        let way = if relative { MovePart::Distance } else { MovePart::From(stands.at(slot)) };
         change(act, axis.data, way, by);
     }
     if is_circle(act) {
         for id in CENTERS {
-            change(act, id, Way::Center, by);
+            change(act, id, MovePart::Center, by);
         }
     }
     Ok(())
 }
 
 /// Whether the block moves along a circle.
-fn is_circle(act: &Act<'_, '_>) -> bool {
+fn is_circle(act: &ActionContext<'_, '_>) -> bool {
     let is_arc = |id: counterpoint_machine::ident::CodeId| matches!(id.kind(), CodeKind::Arc(_));
     let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let mut motions = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).peekable();
@@ -62,7 +62,7 @@ fn is_circle(act: &Act<'_, '_>) -> bool {
 
 /// The part of a move that a word describes.
 #[derive(Clone, Copy)]
-enum Way {
+enum MovePart {
     /// The distance itself; 0 has the direction of its sign.
     Distance,
     /// The end of the move that starts at this position; a zero distance has no direction.
@@ -72,7 +72,7 @@ enum Way {
 }
 
 /// Lengthens the distance of one word.
-fn change(act: &mut Act<'_, '_>, id: DataId, said: Way, by: f64) {
+fn change(act: &mut ActionContext<'_, '_>, id: DataId, said: MovePart, by: f64) {
     let registers = act.registers_of(id);
     let factor = act.channel().unit_factor(Dimension::Length);
     for word in &mut act.channel_mut().block.words {
@@ -80,9 +80,9 @@ fn change(act: &mut Act<'_, '_>, id: DataId, said: Way, by: f64) {
             continue;
         }
         let (way, no_way_counts) = match said {
-            Way::From(from) if !word.incremental => (word.value * factor - from, false),
-            Way::From(_) | Way::Distance => (word.value, true),
-            Way::Center => (word.value, false),
+            MovePart::From(from) if !word.incremental => (word.value * factor - from, false),
+            MovePart::From(_) | MovePart::Distance => (word.value, true),
+            MovePart::Center => (word.value, false),
         };
         if way != 0.0 || no_way_counts {
             word.value += by * way.signum() / factor;

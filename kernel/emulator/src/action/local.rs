@@ -5,27 +5,27 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::cutter;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::action::local_beside as beside;
-use crate::state::frames::Frames;
+use crate::state::frames::FrameTransforms;
 use crate::state::modal::group;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::local::Change;
+use counterpoint_machine::ident::kind::local::FrameChange;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::beside::Lines;
-use counterpoint_motion::frame::local::{Part, Programmed, Refused};
+use counterpoint_motion::frame::local::{FrameError, LocalFramePart, Programmed};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
+pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Local(part, of) => |act, _row, _code| change(act, part, of)),
-    Entry::of(&[codes::TURRET_OPPOSITE], |act, _, _| opposite(act, true)),
-    Entry::of(&[codes::TURRET_OWN], |act, _, _| opposite(act, false)),
+    ActionEntry::of(&[codes::TURRET_OPPOSITE], |act, _, _| opposite(act, true)),
+    ActionEntry::of(&[codes::TURRET_OWN], |act, _, _| opposite(act, false)),
 ];
 
 const TRANSLATION: [DataId; 3] = [data::LCS_TRANS_X, data::LCS_TRANS_Y, data::LCS_TRANS_Z];
@@ -39,23 +39,23 @@ const SCALE_CENTER: [DataId; 3] = [data::LCS_SCALE_CENTER_X, data::LCS_SCALE_CEN
 const UNITS: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A part as the block gives it: of X, Y and Z, and of the axes beside them.
-struct Given {
+struct ProgrammedPart {
     local: Option<Programmed>,
     beside: Option<Lines>,
 }
 
 /// Executes a code of the local frame.
-pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted {
+pub(super) fn change(act: &mut ActionContext<'_, '_>, part: LocalFramePart, change: FrameChange) -> Acted {
     let levels = act.channel_mut().cycle_levels();
     let before = act.channel().counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
     let given = match (part, change) {
-        (Part::Mirror, Change::Off) => fewer_mirrors(act),
-        (_, Change::Off) => Given { local: None, beside: None },
+        (LocalFramePart::Mirror, FrameChange::Off) => fewer_mirrors(act),
+        (_, FrameChange::Off) => ProgrammedPart { local: None, beside: None },
         _ => {
             let given = given(act, part, change);
             // An additive code alone changes nothing.
-            if given.local.is_none() && given.beside.is_none() && change != Change::Add {
+            if given.local.is_none() && given.beside.is_none() && change != FrameChange::Add {
                 let text = format!(
                     "the local coordinate system needs its data in '{}'; it is unchanged",
                     act.channel().block_text()
@@ -79,10 +79,10 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
 }
 
 /// The shift of the local frame along these axes ends, bit by axis.
-pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
+pub(super) fn end_shift(act: &mut ActionContext<'_, '_>, coded: u8) {
     beside::end_shift(act, coded);
     let frames = act.channel().state.place.frames.as_deref();
-    let Some(part) = frames.and_then(|frames| frames.local.part(Part::Translate)).copied() else { return };
+    let Some(part) = frames.and_then(|frames| frames.local.part(LocalFramePart::Translate)).copied() else { return };
     let mut by = part.values;
     for (slot, axis) in by.iter_mut().zip(act.channel().state.place.layout.cartesian) {
         if axis.is_some_and(|axis| coded & axis.bit() != 0) {
@@ -91,7 +91,7 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
     }
     let has = act.channel().state.place.has_axes();
     if let Err(refused) = act.channel_mut().state.place.frames().local.set(
-        Part::Translate,
+        LocalFramePart::Translate,
         Some(Programmed::new(Affine::translation(by), by)),
         has,
     ) {
@@ -101,14 +101,14 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
 }
 
 /// Exchanges the local shifts when another work offset becomes active, if each has its own.
-pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
+pub(super) fn exchange_shifts(act: &mut ActionContext<'_, '_>, old: u32, new: u32) {
     let [old, new] = [old, new].map(|number| number.max(1));
     if !act.channel().env.machine.habits.shift_of_each || old == new || act.channel().state.place.frames.is_none() {
         return;
     }
     let frames = act.channel_mut().state.place.frames();
-    let local = frames.local.part(Part::Translate).copied();
-    let beside = frames.beside.as_deref().and_then(|beside| beside.part(Part::Translate)).copied();
+    let local = frames.local.part(LocalFramePart::Translate).copied();
+    let beside = frames.beside.as_deref().and_then(|beside| beside.part(LocalFramePart::Translate)).copied();
     let mut kept = frames.shifts.take().unwrap_or_default();
     let (next, next_beside) = kept.remove(&new).unwrap_or_default();
     if local.is_some() || beside.is_some() {
@@ -118,7 +118,9 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     if (local, beside) == (next, next_beside) {
         return;
     }
-    if let Err(refused) = put(act, Part::Translate, Change::On, Given { local: next, beside: next_beside }) {
+    if let Err(refused) =
+        put(act, LocalFramePart::Translate, FrameChange::On, ProgrammedPart { local: next, beside: next_beside })
+    {
         refuse(act, refused);
     }
     act.channel_mut().state.place.frames_changed();
@@ -127,12 +129,12 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
 }
 
 /// X is mirrored for tools on the other side of the turning axis: halfway between both turrets.
-fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
+fn opposite(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let has = act.channel().state.place.has_axes();
     let mirrored = cutter::mirror::is_mirrored(act);
     let at = [act.channel().env.machine.turning.opposite / 2.0, 0.0, 0.0];
     let given = on.then(|| mirror_of([1.0, 0.0, 0.0], at));
-    if let Err(refused) = act.channel_mut().state.place.frames().local.set(Part::Mirror, given, has) {
+    if let Err(refused) = act.channel_mut().state.place.frames().local.set(LocalFramePart::Mirror, given, has) {
         refuse(act, refused);
     }
     act.channel_mut().state.place.frames_changed();
@@ -143,37 +145,45 @@ fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
 }
 
 /// Takes the data of a part. Axes that a translation or a mirror does not name keep their values.
-fn given(act: &mut Act<'_, '_>, part: Part, change: Change) -> Given {
-    let adds = change == Change::Add;
+fn given(act: &mut ActionContext<'_, '_>, part: LocalFramePart, change: FrameChange) -> ProgrammedPart {
+    let adds = change == FrameChange::Add;
     let (local, beside) = match part {
-        Part::Translate => (translation(act, change), beside::translation(act, adds)),
-        Part::Rotate => return Given { local: rotation(act, change), beside: None },
-        Part::Scale => return Given { local: scale(act, change), beside: beside::scale(act) },
-        Part::Mirror => (mirror(act, change), beside::mirror(act, adds)),
+        LocalFramePart::Translate => (translation(act, change), beside::translation(act, adds)),
+        LocalFramePart::Rotate => return ProgrammedPart { local: rotation(act, change), beside: None },
+        LocalFramePart::Scale => return ProgrammedPart { local: scale(act, change), beside: beside::scale(act) },
+        LocalFramePart::Mirror => (mirror(act, change), beside::mirror(act, adds)),
     };
     if adds || local.is_none() && beside.is_none() {
-        return Given { local, beside };
+        return ProgrammedPart { local, beside };
     }
     let frames = act.channel().state.place.frames.as_deref();
-    let kept = |frames: &Frames| frames.local.part(part).copied();
-    let kept_beside = |frames: &Frames| frames.beside.as_deref()?.part(part).copied();
-    Given { local: local.or_else(|| frames.and_then(kept)), beside: beside.or_else(|| frames.and_then(kept_beside)) }
+    let kept = |frames: &FrameTransforms| frames.local.part(part).copied();
+    let kept_beside = |frames: &FrameTransforms| frames.beside.as_deref()?.part(part).copied();
+    ProgrammedPart {
+        local: local.or_else(|| frames.and_then(kept)),
+        beside: beside.or_else(|| frames.and_then(kept_beside)),
+    }
 }
 
 /// Puts a part into force for all axes, or for none.
-fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Result<(), Refused> {
+fn put(
+    act: &mut ActionContext<'_, '_>,
+    part: LocalFramePart,
+    change: FrameChange,
+    given: ProgrammedPart,
+) -> Result<(), FrameError> {
     let has = act.channel().state.place.has_axes();
     let frames = act.channel_mut().state.place.frames();
     let now = || frames.beside.as_deref().cloned().unwrap_or_default();
     let beside = match (change, given.beside) {
-        (Change::Add, Some(lines)) => Some(now().with_added(part, lines)?),
-        (Change::Add, None) => None,
+        (FrameChange::Add, Some(lines)) => Some(now().with_added(part, lines)?),
+        (FrameChange::Add, None) => None,
         (_, None) if frames.beside.is_none() => None,
         (_, lines) => Some(now().with(part, lines)?),
     };
     match (change, given.local) {
-        (Change::Add, Some(given)) => frames.local.add(part, given, has)?,
-        (Change::Add, None) => {}
+        (FrameChange::Add, Some(given)) => frames.local.add(part, given, has)?,
+        (FrameChange::Add, None) => {}
         (_, given) => frames.local.set(part, given, has)?,
     }
     if let Some(beside) = beside {
@@ -183,18 +193,18 @@ fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Resul
 }
 
 /// Says why the frame stays as it is.
-pub(crate) fn refuse(act: &mut Act<'_, '_>, refused: Refused) {
+pub(crate) fn refuse(act: &mut ActionContext<'_, '_>, refused: FrameError) {
     let block = act.channel().block_text();
     let (facts, why) = match refused {
-        Refused::NoWayBack => (&diag::FRAME_REFUSED, "would have no inverse"),
-        Refused::TooMany => (&diag::FRAME_REFUSED, "has too many additive parts"),
-        Refused::MissingAxis => (&diag::FRAME_AXIS, "would move an axis that the channel does not have"),
+        FrameError::NoWayBack => (&diag::FRAME_REFUSED, "would have no inverse"),
+        FrameError::TooMany => (&diag::FRAME_REFUSED, "has too many additive parts"),
+        FrameError::MissingAxis => (&diag::FRAME_AXIS, "would move an axis that the channel does not have"),
     };
     act.diagnose(facts, format!("the local coordinate system {why} in '{block}'; it is unchanged"));
 }
 
 /// Takes three values, lengths as geometry.
-fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
+fn lengths(act: &mut ActionContext<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     let mut taken = numbers(act, ids);
     for (role, slot) in taken.iter_mut().enumerate() {
         *slot = slot.map(|value| value * act.channel().state.place.scale_of(role));
@@ -202,15 +212,16 @@ fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     taken
 }
 
-fn numbers(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
+fn numbers(act: &mut ActionContext<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     ids.map(|id| act.take(id).map(|datum| datum.value))
 }
 
-fn translation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
+fn translation(act: &mut ActionContext<'_, '_>, change: FrameChange) -> Option<Programmed> {
     let words = lengths(act, TRANSLATION);
     words.iter().any(Option::is_some).then(|| {
-        let frames = act.channel().state.place.frames.as_deref().filter(|_| change == Change::On);
-        let before = frames.and_then(|frames| frames.local.part(Part::Translate)).map_or([0.0; 3], |part| part.values);
+        let frames = act.channel().state.place.frames.as_deref().filter(|_| change == FrameChange::On);
+        let before =
+            frames.and_then(|frames| frames.local.part(LocalFramePart::Translate)).map_or([0.0; 3], |part| part.values);
         let by = filled(words, before);
         Programmed::new(Affine::translation(by), by)
     })
@@ -226,10 +237,12 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 }
 
 /// Takes a centre. A machine that has words for it means the place where the tool is when the block has none.
-fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
+fn center(act: &mut ActionContext<'_, '_>, ids: [DataId; 3], part: LocalFramePart, change: FrameChange) -> Point {
     let here = act.channel().state.place.seen_from_work(&act.channel().state.place.contour());
     let stands = match act.channel().state.place.frames.as_deref() {
-        Some(_) if change == Change::Add => act.channel().state.place.seen(&act.channel().state.place.programmed()),
+        Some(_) if change == FrameChange::Add => {
+            act.channel().state.place.seen(&act.channel().state.place.programmed())
+        }
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
     };
@@ -242,17 +255,17 @@ fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -
     filled(lengths(act, ids), missing)
 }
 
-fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
+fn rotation(act: &mut ActionContext<'_, '_>, change: FrameChange) -> Option<Programmed> {
     let angle = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value);
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
-    let bare = change == Change::On && about.iter().chain(&turns).all(Option::is_none);
+    let bare = change == FrameChange::On && about.iter().chain(&turns).all(Option::is_none);
     let angle = angle.or_else(|| act.channel().env.machine.habits.rotation_angle.filter(|_| bare));
     let named = ROTATION_CENTER.map(|id| act.block_has(id));
-    let center = center(act, ROTATION_CENTER, Part::Rotate, change);
+    let center = center(act, ROTATION_CENTER, LocalFramePart::Rotate, change);
     let frames = act.channel().state.place.frames.as_deref().filter(|_| act.channel().env.machine.habits.scaled_center);
-    let inside = |part: Part| frames.and_then(|frames| frames.local.part(part)).map(|given| given.map);
-    let mirror = inside(Part::Mirror);
-    let mut center = inside(Part::Scale).map_or(center, |scale| scale.point(center));
+    let inside = |part: LocalFramePart| frames.and_then(|frames| frames.local.part(part)).map(|given| given.map);
+    let mirror = inside(LocalFramePart::Mirror);
+    let mut center = inside(LocalFramePart::Scale).map_or(center, |scale| scale.point(center));
     if let Some(mirror) = mirror {
         // The position of the tool is outside the mirror already.
         let image = mirror.point(center);
@@ -288,7 +301,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 }
 
 /// Normal of the active plane.
-pub(super) fn normal(act: &Act<'_, '_>) -> Point {
+pub(super) fn normal(act: &ActionContext<'_, '_>) -> Point {
     let [x, y, z] = UNITS;
     match act.channel().state.modal.code(group::PLANE) {
         Some(codes::PLANE_ZX) => y,
@@ -297,12 +310,12 @@ pub(super) fn normal(act: &Act<'_, '_>) -> Point {
     }
 }
 
-fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
+fn scale(act: &mut ActionContext<'_, '_>, change: FrameChange) -> Option<Programmed> {
     let all = act.take_factor(data::LCS_SCALE);
     let each = SCALES.map(|id| act.take_factor(id));
-    let bare = change == Change::On && each.iter().all(Option::is_none);
+    let bare = change == FrameChange::On && each.iter().all(Option::is_none);
     let all = all.or_else(|| act.channel().env.machine.habits.scale_factor.filter(|_| bare));
-    let center = center(act, SCALE_CENTER, Part::Scale, change);
+    let center = center(act, SCALE_CENTER, LocalFramePart::Scale, change);
     if all.is_none() && each.iter().all(Option::is_none) {
         return None;
     }
@@ -311,7 +324,7 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 }
 
 /// Takes the axis words: where the mirrors are, and which axes were coded.
-fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
+fn mirrors(act: &mut ActionContext<'_, '_>) -> [Option<f64>; 3] {
     let mut words = [None; 3];
     for (role, slot) in words.iter_mut().enumerate() {
         let axis = act.channel().state.place.layout.cartesian.get(role).copied().flatten();
@@ -323,9 +336,9 @@ fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
 }
 
 /// Mirrored axes and where their mirrors are.
-fn mirrored(act: &Act<'_, '_>) -> (Point, Point) {
+fn mirrored(act: &ActionContext<'_, '_>) -> (Point, Point) {
     let frames = act.channel().state.place.frames.as_deref();
-    let part = frames.and_then(|frames| frames.local.part(Part::Mirror));
+    let part = frames.and_then(|frames| frames.local.part(LocalFramePart::Mirror));
     part.map_or(([0.0; 3], [0.0; 3]), |part| (part.values, part.center.unwrap_or_default()))
 }
 
@@ -334,30 +347,30 @@ fn mirror_of(flags: Point, at: Point) -> Programmed {
     Programmed { center: Some(at), ..Programmed::new(map, flags) }
 }
 
-fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
+fn mirror(act: &mut ActionContext<'_, '_>, change: FrameChange) -> Option<Programmed> {
     let words = mirrors(act);
-    let (flags, at) = if change == Change::On { mirrored(act) } else { Default::default() };
+    let (flags, at) = if change == FrameChange::On { mirrored(act) } else { Default::default() };
     let flags = filled(words.map(|word| word.map(|_| 1.0)), flags);
     words.iter().any(Option::is_some).then(|| mirror_of(flags, filled(words, at)))
 }
 
 /// The mirrors that remain when those of the block are removed; all go without words.
-fn fewer_mirrors(act: &mut Act<'_, '_>) -> Given {
+fn fewer_mirrors(act: &mut ActionContext<'_, '_>) -> ProgrammedPart {
     let words = mirrors(act);
     let (flags, at) = mirrored(act);
     let left = filled(words.map(|word| word.map(|_| 0.0)), flags);
     let lines = beside::fewer_mirrors(act);
     if words.iter().all(Option::is_none) && lines.is_none() {
-        return Given { local: None, beside: None };
+        return ProgrammedPart { local: None, beside: None };
     }
     let beside = lines.or_else(|| {
         let frames = act.channel().state.place.frames.as_deref()?.beside.as_deref()?;
-        frames.part(Part::Mirror).copied()
+        frames.part(LocalFramePart::Mirror).copied()
     });
-    Given { local: left.contains(&1.0).then(|| mirror_of(left, at)), beside }
+    ProgrammedPart { local: left.contains(&1.0).then(|| mirror_of(left, at)), beside }
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// The local frame in the words of the listing.
     pub(crate) fn frame_text(&self) -> String {
         let Some(frames) = self.channel().state.place.frames.as_deref() else { return "lcs off".to_owned() };
@@ -368,21 +381,23 @@ impl Act<'_, '_> {
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
         let values = self.channel().state.place.frame_values();
-        let mut part = |part: Part, word: &str, values: Point| {
+        let mut part = |part: LocalFramePart, word: &str, values: Point| {
             let beside = beside::text(self, part);
             if local.parts(part).next().is_some() || !beside.is_empty() {
                 text += &format!(" {word}={}{beside}", list(values));
             }
-            if let Some(rotation) = local.parts(Part::Rotate).last().filter(|_| part == Part::Translate) {
+            if let Some(rotation) =
+                local.parts(LocalFramePart::Rotate).last().filter(|_| part == LocalFramePart::Translate)
+            {
                 text += &format!(" rot={}", list(rotation.values));
                 if rotation.order == "IJK" {
                     text += &format!(",{}", wildcard_text(rotation.angle));
                 }
             }
         };
-        part(Part::Translate, "tra", values.translation);
-        part(Part::Scale, "sca", values.scale);
-        part(Part::Mirror, "mir", values.mirror);
+        part(LocalFramePart::Translate, "tra", values.translation);
+        part(LocalFramePart::Scale, "sca", values.scale);
+        part(LocalFramePart::Mirror, "mir", values.mirror);
         text
     }
 }

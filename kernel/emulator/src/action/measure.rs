@@ -3,8 +3,8 @@
 //! The tool moves to the position at which the program expects the measuring device. *Invariant:* there is no device
 //! here, so its signal comes at the expected position: offsets do not change, and a warning says so.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -12,11 +12,11 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] =
-    &[Entry::of(&[codes::TOOL_MEASURE], |act, _, _| measure(act)).contour(Contour::Leaves)];
+pub(crate) const ENTRIES: &[ActionEntry] =
+    &[ActionEntry::of(&[codes::TOOL_MEASURE], |act, _, _| measure(act)).contour(CompensationEffect::Leaves)];
 
 /// Moves at rapid up to a distance from the point and at a feed from there, if the block gives both.
-fn measure(act: &mut Act<'_, '_>) -> Acted {
+fn measure(act: &mut ActionContext<'_, '_>) -> Acted {
     let distance = act.take(data::OFFSET_VALUE).map(|datum| datum.value.abs());
     let feed = act.take(data::FEED_UPM).map(|datum| datum.value).filter(|feed| *feed > 0.0);
     let (coded, target) = act.targets();

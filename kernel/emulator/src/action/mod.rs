@@ -1,7 +1,7 @@
 //! The actions of codes: one file for each idea, with its entries in the registry.
 //!
 //! Facts: reference control-emulator.md 6. Invariants: an action takes its data in the documented order (feed before
-//! axes) and never touches another channel except through a shared operation; it reaches its kernel only through `Act`.
+//! axes) and never touches another channel except through a shared operation; it reaches its kernel only through `ActionContext`.
 
 mod arc;
 mod area;
@@ -54,14 +54,14 @@ mod tool;
 mod turned;
 mod turning;
 
-use crate::act::Act;
-use crate::channel::actions::{Action, Actions, CompensationChange, StraightMoves};
-use crate::state::turning::Task;
+use crate::act::ActionContext;
+use crate::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
+use crate::state::turning::ContourTask;
 use counterpoint_machine::ident::CodeId;
-use entry::Entry;
+use entry::ActionEntry;
 
 /// The registry.
-static ENTRIES: &[&[Entry]] = &[
+static ENTRIES: &[&[ActionEntry]] = &[
     arc::ENTRIES,
     area::ENTRIES,
     beside::ENTRIES,
@@ -109,46 +109,46 @@ static ENTRIES: &[&[Entry]] = &[
 ];
 
 /// The built-in actions, as a plan takes them.
-pub static ACTIONS: Actions = Actions { reading: Some(&READING), ..BASE };
+pub static ACTIONS: ActionTable = ActionTable { reading: Some(&READING), ..BASE };
 
 /// The actions by which contour blocks are read.
-static READING: Actions = Actions {
+static READING: ActionTable = ActionTable {
     of: lathe::reading,
     speed_word: |_| Ok(()),
     offset_words: |_, _| Ok(()),
-    record: Some(|kernel, _, motion| lathe::record(&mut Act::new(kernel), motion)),
+    record: Some(|kernel, _, motion| lathe::record(&mut ActionContext::new(kernel), motion)),
     ..BASE
 };
 
-const BASE: Actions = Actions {
+const BASE: ActionTable = ActionTable {
     of: |id| find(id).map(|entry| entry as &dyn Action),
-    flush_lookahead: |kernel| Act::new(kernel).next_element(None),
-    flush_due: |kernel, hole| Act::new(kernel).flush_due(hole),
-    end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
+    flush_lookahead: |kernel| ActionContext::new(kernel).next_element(None),
+    flush_due: |kernel, hole| ActionContext::new(kernel).flush_due(hole),
+    end_compensation: |kernel, halt| ActionContext::new(kernel).end_compensation(halt),
     change_compensation: |kernel, change| match change {
-        CompensationChange::Code => Act::new(kernel).switch_compensation(),
-        CompensationChange::Number => Act::new(kernel).resize_compensation(),
+        CompensationChange::Code => ActionContext::new(kernel).switch_compensation(),
+        CompensationChange::Number => ActionContext::new(kernel).resize_compensation(),
     },
-    speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
-    offset_words: |kernel, free| offset_words::select(&mut Act::new(kernel), free),
-    make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
+    speed_word: |kernel| spindle::speed_word(&mut ActionContext::new(kernel)),
+    offset_words: |kernel, free| offset_words::select(&mut ActionContext::new(kernel), free),
+    make_hole: |kernel, hole| ActionContext::new(kernel).make_hole(hole),
     reading: None,
     record: None,
     cut_contour: |kernel, cycle, reading| match cycle.task {
-        Task::Pocket(pocket) => pocket::cut(&mut Act::new(kernel), &pocket, cycle.feed, reading),
-        _ => lathe::cut(&mut Act::new(kernel), cycle, reading),
+        ContourTask::Pocket(pocket) => pocket::cut(&mut ActionContext::new(kernel), &pocket, cycle.feed, reading),
+        _ => lathe::cut(&mut ActionContext::new(kernel), cycle, reading),
     },
-    strip: |kernel, strip| lathe::strip(&mut Act::new(kernel), strip),
-    copy_figure: |kernel, figure, on| figure::put(&mut Act::new(kernel), figure, on),
+    strip: |kernel, strip| lathe::strip(&mut ActionContext::new(kernel), strip),
+    copy_figure: |kernel, figure, on| figure::put(&mut ActionContext::new(kernel), figure, on),
     straight: StraightMoves {
-        back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
-        along: |kernel, rapid, coded, to| motion::go_straight(&mut Act::new(kernel), rapid, coded, to),
-        change: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
+        back: |kernel, to| lathe::go_back(&mut ActionContext::new(kernel), to),
+        along: |kernel, rapid, coded, to| motion::go_straight(&mut ActionContext::new(kernel), rapid, coded, to),
+        change: |kernel, motion, rapid, to| ActionContext::new(kernel).straight_again(motion, rapid, to),
     },
 };
 
 /// The action of a code, if it has a built-in one.
-fn find(id: CodeId) -> Option<&'static Entry> {
+fn find(id: CodeId) -> Option<&'static ActionEntry> {
     ENTRIES.iter().copied().flatten().find(|entry| entry.takes(id))
 }
 

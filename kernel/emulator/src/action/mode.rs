@@ -1,8 +1,8 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
-use counterpoint_event::event::{Function, Kind, OffsetKind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use counterpoint_event::event::{Kind, OffsetKind, TimedFunction};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -11,22 +11,25 @@ use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    entry_of_kind!(CodeKind::Mode(text) => |act, _row, _code| mode(act, text)).contour(Contour::Waits),
-    Entry::of(&[codes::UNITS_PRIMARY], |act, _, _| units(act, false)).contour(Contour::Waits),
-    Entry::of(&[codes::UNITS_SECONDARY, codes::UNITS_SECONDARY_LENGTHS], |act, _, _| units(act, true))
-        .contour(Contour::Waits),
-    Entry::of(&[codes::EXACTSTOP], |act, _, _| exact_stop_block(act)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_DIAM_OFF], |act, row, _| diameter(act, "off", row.id)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_DIAM_LEFT], |act, row, _| diameter(act, "left", row.id)).contour(Contour::Waits),
-    Entry::of(&[codes::COMP_DIAM_RIGHT], |act, row, _| diameter(act, "right", row.id)).contour(Contour::Waits),
-    Entry::of(&[codes::FUNCTION], function).contour(Contour::Waits),
-    Entry::of(&[codes::AM_ON], |act, _, _| additive(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::AM_OFF], |act, _, _| additive(act, false)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    entry_of_kind!(CodeKind::Mode(text) => |act, _row, _code| mode(act, text)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::UNITS_PRIMARY], |act, _, _| units(act, false)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::UNITS_SECONDARY, codes::UNITS_SECONDARY_LENGTHS], |act, _, _| units(act, true))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::EXACTSTOP], |act, _, _| exact_stop_block(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_DIAM_OFF], |act, row, _| diameter(act, "off", row.id))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_DIAM_LEFT], |act, row, _| diameter(act, "left", row.id))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::COMP_DIAM_RIGHT], |act, row, _| diameter(act, "right", row.id))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::FUNCTION], function).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::AM_ON], |act, _, _| additive(act, true)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::AM_OFF], |act, _, _| additive(act, false)).contour(CompensationEffect::Waits),
 ];
 
 /// A modal state.
-pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
+pub(super) fn mode(act: &mut ActionContext<'_, '_>, text: &'static str) -> Acted {
     if act.channel().acting.mode_changed {
         act.channel_mut().emit(0, Kind::mode(text));
     }
@@ -34,10 +37,10 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 }
 
 /// Primary or secondary units.
-pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
-    use counterpoint_event::info::Unit;
+pub(super) fn units(act: &mut ActionContext<'_, '_>, secondary: bool) -> Acted {
+    use counterpoint_event::info::MachineUnit;
     act.channel_mut().reports.unit_named = true;
-    let inch = (act.channel().env.machine.unit == Unit::Inch) != secondary;
+    let inch = (act.channel().env.machine.unit == MachineUnit::Inch) != secondary;
     if act.channel().state.secondary != secondary {
         act.channel_mut().state.secondary = secondary;
         act.unit_selected(inch)?;
@@ -46,13 +49,13 @@ pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
 }
 
 /// Exact stop at the end of this block.
-pub(super) fn exact_stop_block(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn exact_stop_block(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().block.flags.exact_stop = true;
     Ok(())
 }
 
 /// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
-pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) -> Acted {
+pub(super) fn diameter(act: &mut ActionContext<'_, '_>, side: &'static str, code: CodeId) -> Acted {
     // A code that ends compensation needs no number.
     let asks = side != "off" || act.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(act) } else { None };
@@ -73,20 +76,20 @@ pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) 
 }
 
 /// A function of the machine that only takes time; the time itself is added by the code loop.
-pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+pub(super) fn function(act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     act.take(data::FUNCTION);
     if row.seconds <= 0.0 {
         let (letter, value) = (act.channel().env.machine.letter_of(&row.form), code.value);
         if letter == 'M' {
             act.channel_mut().reports.swallowed.note(value);
         }
-        act.channel_mut().emit(0, Kind::Function(Function { letter, value }));
+        act.channel_mut().emit(0, Kind::Function(TimedFunction { letter, value }));
     }
     Ok(())
 }
 
 /// Power of additive machining.
-pub(super) fn additive(act: &mut Act<'_, '_>, on: bool) -> Acted {
+pub(super) fn additive(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let power = act.take(data::AM).map(|d| counterpoint_lang::format::wildcard_text(d.value));
     let text = match (on, power) {
         (true, Some(power)) => format!("am on p={power}"),

@@ -2,29 +2,33 @@
 //!
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
-use super::time::Path;
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
-use crate::state::cutter::{Shape, Step};
+use super::time::TimedPath;
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::cutter::{MoveShape, ProgrammedMove};
 use crate::state::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_program::block::Datum;
+use counterpoint_program::block::RetrievedValue;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::RAPID], |act, _, _| rapid(act)).moves().contour(Contour::Follows),
-    Entry::of(&[codes::RAPID_ONE_WAY], |act, _, _| one_way(act)).contour(Contour::Leaves),
-    Entry::of(&[codes::INTERP_LINEAR], |act, _, _| linear(act)).moves().contour(Contour::Follows),
-    Entry::of(&[codes::INTERP_LINEAR_X10], |act, _, _| linear_times(act, 10.0)).moves().contour(Contour::Follows),
-    Entry::of(&[codes::INTERP_LINEAR_X100], |act, _, _| linear_times(act, 100.0)).moves().contour(Contour::Follows),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::RAPID], |act, _, _| rapid(act)).moves().contour(CompensationEffect::Follows),
+    ActionEntry::of(&[codes::RAPID_ONE_WAY], |act, _, _| one_way(act)).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::INTERP_LINEAR], |act, _, _| linear(act)).moves().contour(CompensationEffect::Follows),
+    ActionEntry::of(&[codes::INTERP_LINEAR_X10], |act, _, _| linear_times(act, 10.0))
+        .moves()
+        .contour(CompensationEffect::Follows),
+    ActionEntry::of(&[codes::INTERP_LINEAR_X100], |act, _, _| linear_times(act, 100.0))
+        .moves()
+        .contour(CompensationEffect::Follows),
 ];
 
 /// Positioning.
-pub(super) fn rapid(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn rapid(act: &mut ActionContext<'_, '_>) -> Acted {
     let feed = act.rapid_feed();
     let (coded, target) = act.straight_targets();
     if coded == 0 {
@@ -35,7 +39,7 @@ pub(super) fn rapid(act: &mut Act<'_, '_>) -> Acted {
 
 /// Positioning that approaches its end from a fixed direction: past the end and back, along axes with an overshoot
 /// distance.
-fn one_way(act: &mut Act<'_, '_>) -> Acted {
+fn one_way(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     if coded == 0 {
         return Ok(());
@@ -49,7 +53,7 @@ fn one_way(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Straight feed.
-pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn linear(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return rapid(act);
     }
@@ -63,7 +67,7 @@ pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Straight feed over a multiple of the programmed distance.
-pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
+pub(super) fn linear_times(act: &mut ActionContext<'_, '_>, factor: f64) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, mut target) = act.straight_targets();
     for (to, from) in target.iter_mut().zip(&act.channel().state.place.contour()) {
@@ -76,7 +80,7 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
 }
 
 /// Moves these axes straight to a point of the work frame, without words: at rapid, or at the feed of the active mode.
-pub(super) fn go_straight(act: &mut Act<'_, '_>, rapid: bool, coded: u8, to: &Position) -> Acted {
+pub(super) fn go_straight(act: &mut ActionContext<'_, '_>, rapid: bool, coded: u8, to: &Position) -> Acted {
     if rapid {
         let most = act.channel().state.remembered.value(data::RAPID_FEED);
         return act.rapid_within(coded, *to, most);
@@ -86,7 +90,7 @@ pub(super) fn go_straight(act: &mut Act<'_, '_>, rapid: bool, coded: u8, to: &Po
     act.plain_feed(coded, to, feed, unit)
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Feed of the active mode: the word in the block, otherwise the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
         let (id, unit) = feed_of(self.channel().state.modal.code(group::FEED));
@@ -216,7 +220,7 @@ impl Act<'_, '_> {
 
     /// Takes the word of an axis.
     #[inline(always)]
-    pub(super) fn take_axis(&mut self, axis: AxisSlot) -> Option<Datum> {
+    pub(super) fn take_axis(&mut self, axis: AxisSlot) -> Option<RetrievedValue> {
         self.take(self.channel().state.place.layout.axes[axis].data)
     }
 
@@ -226,7 +230,7 @@ impl Act<'_, '_> {
         &mut self,
         from: Position,
         shift: impl Fn(&Self, AxisSlot) -> Option<f64>,
-        take: impl Fn(&mut Self, AxisSlot) -> Option<Datum>,
+        take: impl Fn(&mut Self, AxisSlot) -> Option<RetrievedValue>,
     ) -> (u8, Position) {
         let relative = match self.channel().state.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
@@ -310,7 +314,7 @@ impl Act<'_, '_> {
     /// The same, along its path not faster than a feed per minute.
     pub(super) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
         if self.channel().state.place.is_compensated() {
-            let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
+            let step = ProgrammedMove { shape: MoveShape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
             return self.compensate(step);
         }
         let from = self.channel().state.place.position;
@@ -347,7 +351,7 @@ impl Act<'_, '_> {
         let weighs = self.channel().state.place.weighs;
         let square = |ways: &Position| ways.iter().map(|c| c * c).sum::<f64>();
         let feed_length = if weighs { square(&self.channel().feed_ways(&changes)) } else { square(&changes) }.sqrt();
-        let path = Path { from: &from, to: target, length: feed_length, arc: None };
+        let path = TimedPath { from: &from, to: target, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if weighs {
             seconds = self.channel().seconds_of_group(seconds, &changes);
@@ -361,7 +365,7 @@ impl Act<'_, '_> {
     fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
         if self.channel().state.place.is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
-            let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
+            let step = ProgrammedMove { shape: MoveShape::Linear, coded, to: target, feed, unit };
             return if coded == 0 && !self.opens_line() { Ok(()) } else { self.compensate(step) };
         }
         let from = self.channel().state.place.position;
@@ -372,7 +376,7 @@ impl Act<'_, '_> {
         let ways = self.channel().feed_ways(&changes);
         let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
         let feed = self.feed_down(feed, unit, &ways, feed_length);
-        let path = Path { from: &from, to: &target, length: feed_length, arc: None };
+        let path = TimedPath { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.channel().seconds_of_group(self.at_rates(seconds, &from, &target, None), &changes);
         let length = self.feed_path(&changes, feed_length);
@@ -399,7 +403,7 @@ impl Act<'_, '_> {
         };
         let changes = self.channel().feed_changes(&from, &to);
         let feed_length = self.channel().feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
-        let path = Path { from: &from, to: &to, length: feed_length, arc: None };
+        let path = TimedPath { from: &from, to: &to, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if self.channel().state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);

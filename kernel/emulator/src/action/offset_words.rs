@@ -4,7 +4,7 @@
 //! another offset in a block without the code. Facts: B-63844EN/02 14.1.1 and 14.1.2 (H, G28, G30, G53), parameters
 //! 5001#6 and 5006#6; Haas 96-8000, G28. *Invariant:* a word that a code of the block takes is left to that code.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
@@ -13,8 +13,8 @@ use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 
 /// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
 /// bit each.
-pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
-    let has = |act: &Act<'_, '_>, id| act.channel().block.has_any(act.registers_of(id) & free);
+pub(crate) fn select(act: &mut ActionContext<'_, '_>, free: u128) -> Acted {
+    let has = |act: &ActionContext<'_, '_>, id| act.channel().block.has_any(act.registers_of(id) & free);
     if has(act, data::COMP_LENGTH) && act.channel().state.place.in_force.length_sign != 0.0 {
         let number = act.take(data::COMP_LENGTH).map_or(0, |_| act.channel().state.remembered.length());
         let sign = act.channel().state.place.in_force.length_sign;
@@ -47,7 +47,7 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
 }
 
 /// Activates a length offset; the caller must then rebuild the frame.
-pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
+pub(super) fn put_length(act: &mut ActionContext<'_, '_>, sign: f64, number: u32) {
     let before = act.channel().state.place.in_force;
     if sign != 0.0 && (before.length_sign == 0.0 || before.length_number != number) {
         super::tool::missing_among_listed(act, number);
@@ -58,7 +58,7 @@ pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
 /// Makes a change of the length active. On machines where the axis of the tool moves by the change, its next move
 /// includes the change. Exceptions are blocks with a code that takes the axis words itself (G28) or gives positions of
 /// the machine frame (G53).
-pub(super) fn length_changed(act: &mut Act<'_, '_>) {
+pub(super) fn length_changed(act: &mut ActionContext<'_, '_>) {
     let machine = act.channel().env.machine;
     act.channel_mut().block.flags.travels = machine.compensation.length.moves
         && !act.channel().block.pending.iter().any(|code| {
@@ -70,7 +70,7 @@ pub(super) fn length_changed(act: &mut Act<'_, '_>) {
 }
 
 /// Axes have come to a reference point.
-pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
+pub(super) fn at_reference(act: &mut ActionContext<'_, '_>, axes: u8) {
     match act.channel().env.machine.compensation.length.at_reference {
         LengthThere::Stays => {}
         LengthThere::Off => take_off(act, axes),
@@ -91,13 +91,13 @@ pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
 }
 
 /// Axes go to positions of the machine frame.
-pub(super) fn in_machine_frame(act: &mut Act<'_, '_>, axes: u8) {
+pub(super) fn in_machine_frame(act: &mut ActionContext<'_, '_>, axes: u8) {
     if act.channel().env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Off {
         take_off(act, axes);
     }
 }
 
-fn take_off(act: &mut Act<'_, '_>, axes: u8) {
+fn take_off(act: &mut ActionContext<'_, '_>, axes: u8) {
     if act.channel().state.place.tip().is_none() && act.channel_mut().take_length_off(axes) {
         act.reframe();
     }

@@ -5,9 +5,9 @@
 
 use std::borrow::Cow;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
-use crate::state::frames::offsets::{EXTENDED, Radii, Table};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::frames::offsets::{EXTENDED, OffsetTable, Radii};
 use crate::state::modal::group;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
@@ -16,18 +16,19 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act)).contour(Contour::Waits)];
+pub(crate) const ENTRIES: &[ActionEntry] =
+    &[ActionEntry::of(&[codes::OFFSET_SET], |act, _, _| set(act)).contour(CompensationEffect::Waits)];
 
 /// The set value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum What {
+enum OffsetTarget {
     /// Values of all axes.
-    Axes(Table, u32),
+    Axes(OffsetTable, u32),
     /// A length along Z.
-    Length(Table, u32),
+    Length(OffsetTable, u32),
     Radius(Radii, u32),
     /// Values of the axes and the radius of a turning tool.
-    Tool(Table, Radii, u32),
+    Tool(OffsetTable, Radii, u32),
 }
 
 /// Geometry of turning tools: their numbers are above this one.
@@ -46,31 +47,40 @@ const DATA_BLOCKS: [f64; 4] = [3.0, 50.0, 51.0, 52.0];
 ///
 /// # Errors
 /// There is no such offset; the text says why.
-fn meant(kind: Option<f64>, number: Option<u32>, turning: bool, most_extended: u32) -> Result<What, Cow<'static, str>> {
+fn meant(
+    kind: Option<f64>,
+    number: Option<u32>,
+    turning: bool,
+    most_extended: u32,
+) -> Result<OffsetTarget, Cow<'static, str>> {
     let Some(number) = number else { return Err("P is missing or is not a number of an offset".into()) };
     match kind {
-        Some(2.0) if number <= EXTENDED => Ok(What::Axes(Table::Work, number)),
+        Some(2.0) if number <= EXTENDED => Ok(OffsetTarget::Axes(OffsetTable::Work, number)),
         Some(2.0) => Err("P of L2 is 0 for the external offset or 1 to 6 for G54 to G59".into()),
-        Some(20.0) if (1..=most_extended).contains(&number) => Ok(What::Axes(Table::Work, EXTENDED + number)),
+        Some(20.0) if (1..=most_extended).contains(&number) => {
+            Ok(OffsetTarget::Axes(OffsetTable::Work, EXTENDED + number))
+        }
         Some(20.0) => Err(format!("P of L20 is 1 to {most_extended}").into()),
         // The shift of the work coordinate system of lathes.
-        None if turning && number == 0 => Ok(What::Axes(Table::Work, 0)),
+        None if turning && number == 0 => Ok(OffsetTarget::Axes(OffsetTable::Work, 0)),
         _ if number == 0 => Err("P of a tool offset is at least 1".into()),
-        Some(10.0) if turning => Ok(What::Tool(Table::Length, Radii::Cutter, number)),
-        Some(1.0 | 11.0) if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
-        Some(10.0) => Ok(What::Length(Table::Length, number)),
-        Some(1.0 | 11.0) => Ok(What::Length(Table::Wear, number)),
-        Some(12.0) => Ok(What::Radius(Radii::Cutter, number)),
-        Some(13.0) => Ok(What::Radius(Radii::Wear, number)),
-        None if turning && number > GEOMETRY => Ok(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY)),
-        None if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
+        Some(10.0) if turning => Ok(OffsetTarget::Tool(OffsetTable::Length, Radii::Cutter, number)),
+        Some(1.0 | 11.0) if turning => Ok(OffsetTarget::Tool(OffsetTable::Wear, Radii::Wear, number)),
+        Some(10.0) => Ok(OffsetTarget::Length(OffsetTable::Length, number)),
+        Some(1.0 | 11.0) => Ok(OffsetTarget::Length(OffsetTable::Wear, number)),
+        Some(12.0) => Ok(OffsetTarget::Radius(Radii::Cutter, number)),
+        Some(13.0) => Ok(OffsetTarget::Radius(Radii::Wear, number)),
+        None if turning && number > GEOMETRY => {
+            Ok(OffsetTarget::Tool(OffsetTable::Length, Radii::Cutter, number - GEOMETRY))
+        }
+        None if turning => Ok(OffsetTarget::Tool(OffsetTable::Wear, Radii::Wear, number)),
         None => Err("L is missing".into()),
         Some(_) => Err("L is not 1, 2, 10, 11, 12, 13 or 20".into()),
     }
 }
 
 /// Highest number that the code of an extended work offset may have.
-fn most_extended(act: &Act<'_, '_>) -> u32 {
+fn most_extended(act: &ActionContext<'_, '_>) -> u32 {
     let machine = &act.channel().env.machine;
     let rows = machine.tables.rows_of_data[data::COMP_EXTFIXT_REG].iter();
     rows.filter_map(|&row| machine.data[row].max)
@@ -79,7 +89,7 @@ fn most_extended(act: &Act<'_, '_>) -> u32 {
 }
 
 /// Sets an offset.
-pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn set(act: &mut ActionContext<'_, '_>) -> Acted {
     let whole = |value: f64| ((0.0..=99_999.0).contains(&value) && value.fract() == 0.0).then_some(value as u32);
     let kind = act.take(data::OFFSET_KIND).map(|datum| datum.value);
     let number = act.take(data::OFFSET_NUMBER).and_then(|datum| whole(datum.value));
@@ -99,30 +109,32 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
         }
     };
     let kept = match what {
-        What::Axes(table, number) => axes(act, table, number),
-        What::Length(table, number) => length(act, table, number),
-        What::Radius(table, number) => radius(act, table, number),
-        What::Tool(table, radii, number) => axes(act, table, number) && radius(act, radii, number) && tip(act, number),
+        OffsetTarget::Axes(table, number) => axes(act, table, number),
+        OffsetTarget::Length(table, number) => length(act, table, number),
+        OffsetTarget::Radius(table, number) => radius(act, table, number),
+        OffsetTarget::Tool(table, radii, number) => {
+            axes(act, table, number) && radius(act, radii, number) && tip(act, number)
+        }
     };
     let (table, number) = match what {
-        What::Axes(_, number) => ("workp", number),
-        What::Length(Table::Wear, number) => ("length wear", number),
-        What::Length(_, number) => ("length", number),
-        What::Radius(Radii::Wear, number) => ("radius wear", number),
-        What::Radius(_, number) => ("radius", number),
-        What::Tool(Table::Wear, _, number) => ("tool wear", number),
-        What::Tool(_, _, number) => ("tool", number),
+        OffsetTarget::Axes(_, number) => ("workp", number),
+        OffsetTarget::Length(OffsetTable::Wear, number) => ("length wear", number),
+        OffsetTarget::Length(_, number) => ("length", number),
+        OffsetTarget::Radius(Radii::Wear, number) => ("radius wear", number),
+        OffsetTarget::Radius(_, number) => ("radius", number),
+        OffsetTarget::Tool(OffsetTable::Wear, _, number) => ("tool wear", number),
+        OffsetTarget::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 
-fn is_relative(act: &Act<'_, '_>) -> bool {
+fn is_relative(act: &ActionContext<'_, '_>) -> bool {
     act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
 }
 
-fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
+fn axes(act: &mut ActionContext<'_, '_>, table: OffsetTable, number: u32) -> bool {
     let mut values = act.channel().offset_values(table, number);
     let relative = is_relative(act);
     for axis in act.channel().state.place.layout.axes.ids() {
@@ -133,7 +145,7 @@ fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
     act.set_offset(table, number, values)
 }
 
-fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
+fn length(act: &mut ActionContext<'_, '_>, table: OffsetTable, number: u32) -> bool {
     let mut values = act.channel().offset_values(table, number);
     let along = act.channel().state.place.layout.cartesian.get(2).copied().flatten();
     let relative = is_relative(act);
@@ -144,7 +156,7 @@ fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
 }
 
 /// A missing value changes nothing.
-fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
+fn radius(act: &mut ActionContext<'_, '_>, table: Radii, number: u32) -> bool {
     let before = act.channel().offset_radius(table, number);
     let relative = is_relative(act);
     match act.take(data::OFFSET_VALUE).map(|datum| datum.value) {
@@ -158,7 +170,7 @@ fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
 }
 
 /// A missing value changes nothing.
-fn tip(act: &mut Act<'_, '_>, number: u32) -> bool {
+fn tip(act: &mut ActionContext<'_, '_>, number: u32) -> bool {
     act.take(data::OFFSET_TIP)
         .is_none_or(|datum| act.channel_mut().state.place.offsets.get_or_insert_default().set_tip(number, datum.value))
 }

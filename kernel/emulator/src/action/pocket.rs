@@ -8,17 +8,17 @@
 //! nearer to the outline than the radius of the tool.
 
 use counterpoint_motion::arc::by_center;
-use counterpoint_motion::contour::area::Area;
+use counterpoint_motion::contour::area::ClearingArea;
 use counterpoint_motion::contour::clearing::{Clearing, begun_where};
-use counterpoint_motion::contour::closed::{Closed, turned_by};
+use counterpoint_motion::contour::closed::{ClosedContour, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot};
 
-use crate::act::Act;
-use crate::action::arc::Circle;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::arc::CircularMove;
+use crate::action::entry::ActionEntry;
 use crate::action::{compensation, cutter, turned};
 use crate::state::modal::{group, plane};
-use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Pocket, Reading, Task};
+use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -26,13 +26,13 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::POCKET], |act, _, _| pocket(act))];
+pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::POCKET], |act, _, _| pocket(act))];
 
 /// Moves of an outline, and lines of cuts, at most.
 const MOST_MOVES: usize = 40;
 const MOST_LINES: u32 = 10_000;
 
-fn pocket(act: &mut Act<'_, '_>) -> Acted {
+fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
     let mut value = |id: DataId| act.take(id).map(|datum| datum.value);
     let outline = value(data::POCKET_OUTLINE);
     let steps = [data::POCKET_STEP_X, data::POCKET_STEP_Y].map(&mut value);
@@ -75,13 +75,13 @@ fn pocket(act: &mut Act<'_, '_>) -> Acted {
     }
     *over.at_mut(z) = clear;
     act.rapid_to_point(z.bit(), over)?;
-    let task = Task::Pocket(Pocket { step, across, finish, level, clear, depth });
+    let task = ContourTask::Pocket(PocketCycle { step, across, finish, level, clear, depth });
     act.cut_contour(ContourCycle { blocks: ContourBlocks::Program(outline as u32), task, feed, feeds: [None; 2] });
     Ok(())
 }
 
 /// The plane of X and Y, if it is active, and Z.
-fn axes(act: &Act<'_, '_>) -> Option<(LathePlane, AxisSlot)> {
+fn axes(act: &ActionContext<'_, '_>) -> Option<(LathePlane, AxisSlot)> {
     let plane = act
         .channel()
         .active_plane()
@@ -91,7 +91,12 @@ fn axes(act: &Act<'_, '_>) -> Option<(LathePlane, AxisSlot)> {
 }
 
 /// Clears the pocket whose outline was read.
-pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, FeedUnit), reading: Reading) -> Acted {
+pub(super) fn cut(
+    act: &mut ActionContext<'_, '_>,
+    pocket: &PocketCycle,
+    feed: (Option<f64>, FeedUnit),
+    reading: RecordedContour,
+) -> Acted {
     let Some((plane, z)) = axes(act) else { return Ok(()) };
     let side = match act.channel().state.modal.code(group::DIAMETER) {
         Some(codes::COMP_DIAM_LEFT) => 1.0,
@@ -109,9 +114,9 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
         return refuse(act, &format!("its outline has {moves} moves, it must have 1 to {MOST_MOVES}"));
     };
     let turn = if pocket.across { -90.0 } else { 0.0 };
-    let outline = Closed::open(reading.elements);
+    let outline = ClosedContour::open(reading.elements);
     let inside = if outline.is_clockwise() { -1.0 } else { 1.0 };
-    let mut area = Area::default();
+    let mut area = ClearingArea::default();
     if area.add(outline.turned(turn).elements()).is_err() {
         return refuse(act, "its outline is not closed");
     }
@@ -129,7 +134,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
     let line = Element { from: turned_by(start, turn), to: turned_by(first, turn), arc: None };
     let round = |clearing: &Clearing| -> Vec<Vec<Element>> {
         let ways = clearing.ways(&[]).into_iter().map(|way| begun_where(&way, &line));
-        ways.map(|way| if side < 0.0 { Closed::open(way).reversed().elements().to_vec() } else { way }).collect()
+        ways.map(|way| if side < 0.0 { ClosedContour::open(way).reversed().elements().to_vec() } else { way }).collect()
     };
     let cuts = Cuts { plane, z, turn, clear: pocket.clear, start, feed };
     let rows = rough.rows(pocket.step, MOST_LINES);
@@ -164,14 +169,14 @@ struct Cuts {
 
 impl Cuts {
     /// To a point at the return plane.
-    fn over(&self, act: &mut Act<'_, '_>, spot: Spot) -> Acted {
+    fn over(&self, act: &mut ActionContext<'_, '_>, spot: Spot) -> Acted {
         let here = act.channel().state.place.programmed();
         let to = self.plane.position(here, spot);
         let flat = self.plane.moved(&here, &to);
         if flat == 0 { Ok(()) } else { act.rapid_to_point(flat, to) }
     }
 
-    fn height(&self, act: &mut Act<'_, '_>, height: f64) -> Acted {
+    fn height(&self, act: &mut ActionContext<'_, '_>, height: f64) -> Acted {
         let mut to = act.channel().state.place.programmed();
         if to.at(self.z) == height {
             return Ok(());
@@ -185,7 +190,7 @@ impl Cuts {
     }
 
     /// Down at the start, to a path and along it, and up.
-    fn out_of_start(&self, act: &mut Act<'_, '_>, way: &[Element], depth: f64) -> Acted {
+    fn out_of_start(&self, act: &mut ActionContext<'_, '_>, way: &[Element], depth: f64) -> Acted {
         let Some(first) = way.first() else { return Ok(()) };
         let to = first.from;
         act.count_as_block()?;
@@ -197,7 +202,7 @@ impl Cuts {
     }
 
     /// Along cuts that follow each other, from above their beginning.
-    fn along(&self, act: &mut Act<'_, '_>, row: &[Element], depth: f64) -> Acted {
+    fn along(&self, act: &mut ActionContext<'_, '_>, row: &[Element], depth: f64) -> Acted {
         let Some(first) = row.first() else { return Ok(()) };
         act.count_as_block()?;
         self.over(act, turned_by(first.from, -self.turn))?;
@@ -206,7 +211,7 @@ impl Cuts {
         self.height(act, self.clear)
     }
 
-    fn go(&self, act: &mut Act<'_, '_>, element: &Element) -> Acted {
+    fn go(&self, act: &mut ActionContext<'_, '_>, element: &Element) -> Acted {
         let from = act.channel().state.place.programmed();
         let to = self.plane.position(from, turned_by(element.to, -self.turn));
         let coded = self.plane.moved(&from, &to);
@@ -220,7 +225,7 @@ impl Cuts {
             return act.feed_to_point(coded, to, feed, unit);
         };
         let coded = self.plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
-        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
+        let circle = CircularMove { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
         match plane(codes::PLANE_XY) {
             Some(plane) if act.channel().state.place.frames.is_some() => turned::circle(act, plane, &circle),
             _ => act.circle_to(&circle),
@@ -228,7 +233,7 @@ impl Cuts {
     }
 }
 
-fn refuse(act: &mut Act<'_, '_>, why: &str) -> Acted {
+fn refuse(act: &mut ActionContext<'_, '_>, why: &str) -> Acted {
     let text = format!("the pocket of '{}' is not cut: {why}", act.channel().block_text());
     Err::<(), Halt>(act.alarm(&diag::CYCLE_REFUSED, text))
 }

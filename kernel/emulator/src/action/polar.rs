@@ -7,34 +7,34 @@ use std::f64::consts::TAU;
 
 use counterpoint_motion::arc as geometry;
 
-use super::arc::Circle;
-use super::time::Path;
-use crate::act::Act;
-use crate::action::entry::Entry;
+use super::arc::CircularMove;
+use super::time::TimedPath;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use crate::state::alarms::STRAIGHT;
-use crate::state::frames::polar::{Polar, round_the_centre};
-use crate::state::position::Axis;
+use crate::state::frames::polar::{PolarInterpolation, round_the_centre};
+use crate::state::position::ChannelAxis;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_program::block::Datum;
+use counterpoint_program::block::RetrievedValue;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::C2P_CART_ON], |act, _, _| on(act, true)),
-    Entry::of(&[codes::C2P_POLAR_ON], |act, _, _| on(act, false)),
-    Entry::of(&[codes::C2P_CART_OFF, codes::C2P_POLAR_OFF, codes::CYLINDER_OFF], |act, _, _| off(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::C2P_CART_ON], |act, _, _| on(act, true)),
+    ActionEntry::of(&[codes::C2P_POLAR_ON], |act, _, _| on(act, false)),
+    ActionEntry::of(&[codes::C2P_CART_OFF, codes::C2P_POLAR_OFF, codes::CYLINDER_OFF], |act, _, _| off(act)),
 ];
 
 /// Degrees of a circle that one step goes around its own centre.
 const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
-pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
+pub(super) fn on(act: &mut ActionContext<'_, '_>, cartesian: bool) -> Acted {
     if act.channel().state.place.polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
         return Ok(());
     }
@@ -49,7 +49,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
         return Ok(());
     };
     act.channel_mut().state.place.frames().polar =
-        Some(Polar::new(&act.channel().state.place, linear, rotary, cartesian));
+        Some(PolarInterpolation::new(&act.channel().state.place, linear, rotary, cartesian));
     act.channel_mut().state.place.frames_changed();
     super::cutter::plane_changed(act);
     act.channel_mut().emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
@@ -57,7 +57,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
 }
 
 /// In a tilted plane the linear axes follow the part, not the words one by one.
-pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn not_tilted(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().state.place.tilted().is_none() {
         return Ok(());
     }
@@ -66,7 +66,7 @@ pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Switches it off, that of a cylinder too; the axes stay where they are.
-pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn off(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(polar) = act.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
@@ -83,7 +83,7 @@ fn form(cartesian: bool) -> &'static str {
 }
 
 /// The axes that the machine names for it, otherwise X and the first rotary axis of the workpiece.
-fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
+fn axes(act: &ActionContext<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
     let channel =
         act.channel().env.machine.channels.iter().find(|channel| channel.number == act.channel().at.channel)?;
     if let Some([linear, rotary]) = channel.polar {
@@ -95,7 +95,7 @@ fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
 }
 
 /// A circle on the part. Its plane is that of the part, regardless of the active plane.
-pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted {
+pub(super) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, clockwise: bool) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, target) = act.programmed_targets();
     let radius = act.take(data::ARC_RADIUS).map(|d| d.value);
@@ -113,7 +113,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
         [&from, &to].map(|point| polar.part(&act.channel().state.place, point))
     };
     let [start, end] = spots;
-    let tolerance = if act.channel().env.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
+    let tolerance = if act.channel().env.machine.unit == MachineUnit::Inch { 0.01 / 25.4 } else { 0.01 };
     let made = match radius {
         Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
         None => {
@@ -155,12 +155,12 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let made = made.with_turns(turns);
     let spot = polar.part(&act.channel().state.place, &to);
     polar.reach(&act.channel().state.place, &mut to, spot, way_round(&made));
-    act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit, screw: None })
+    act.circle_to(&CircularMove { made, coded, from, to, axes: polar.axes(), turns, feed, unit, screw: None })
 }
 
 /// The words of the centre of a circle, in the order of the plane. A cylinder whose words are those of its axes has
 /// none: its circles have a radius.
-fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
+fn center_words(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> [Option<DataId>; 2] {
     if !polar.is_cylinder() {
         return [Some(data::ARC_CENTER_X), Some(data::ARC_CENTER_Y)];
     }
@@ -175,7 +175,7 @@ fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
 }
 
 /// Degrees that a circle goes around the centre of the part; every full turn goes as far as the others.
-pub(super) fn way_round(made: &geometry::Arc) -> f64 {
+pub(super) fn way_round(made: &geometry::PlaneArc) -> f64 {
     let turns = (made.sweep.abs() / TAU).floor();
     let rest = made.sweep - turns * TAU.copysign(made.sweep);
     let once = if turns > 0.0 { part_round(made, TAU.copysign(made.sweep)) } else { 0.0 };
@@ -183,7 +183,7 @@ pub(super) fn way_round(made: &geometry::Arc) -> f64 {
 }
 
 /// The same for a part of at most one turn from its start, radians.
-pub(super) fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
+pub(super) fn part_round(made: &geometry::PlaneArc, sweep: f64) -> f64 {
     let steps = (sweep.abs().to_degrees() / STEP).ceil().clamp(1.0, 360.0 / STEP);
     let point = |at: u32| {
         let angle = made.start_angle + sweep * (f64::from(at) / steps);
@@ -192,17 +192,17 @@ pub(super) fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
     round_the_centre((0..=steps as u32).map(point))
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A circle of the part from where the axes are, which `circle.to` has gone round already.
     #[cold]
-    pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
-        let Circle { made, coded, from, to, feed, unit, .. } = *circle;
+    pub(super) fn circle_of_part(&mut self, polar: PolarInterpolation, circle: &CircularMove) -> Acted {
+        let CircularMove { made, coded, from, to, feed, unit, .. } = *circle;
         let changes = self.channel().feed_changes(&from, &to);
         let others =
             self.channel().state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
         let rise = others.map(|axis| changes.at(axis) * changes.at(axis)).sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let path = Path { from: &from, to: &to, length: made.length(), arc: None };
+        let path = TimedPath { from: &from, to: &to, length: made.length(), arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
         let moving = self.moving(coded, &self.channel().state.place.changes(&from, &to))
@@ -221,8 +221,8 @@ impl Act<'_, '_> {
     }
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
-    pub(super) fn take_polar(&mut self, polar: Polar, axis: AxisSlot) -> Option<Datum> {
-        let Axis { data: id, scale, .. } = self.channel().state.place.layout.axes[axis];
+    pub(super) fn take_polar(&mut self, polar: PolarInterpolation, axis: AxisSlot) -> Option<RetrievedValue> {
+        let ChannelAxis { data: id, scale, .. } = self.channel().state.place.layout.axes[axis];
         let registers = |id: DataId| self.registers_of(id);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.
@@ -237,7 +237,8 @@ impl Act<'_, '_> {
         };
         // The words of the interpolation are radii.
         let scale = if polar.is_cylinder() { 1.0 } else { scale };
-        let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
+        let radius =
+            own.and_then(|own| self.take(own)).map(|datum| RetrievedValue { value: datum.value / scale, ..datum });
         let spare =
             axis == polar.rotary && polar.cartesian && self.channel().state.place.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
@@ -245,7 +246,7 @@ impl Act<'_, '_> {
             // A word of the rotary axis itself is in degrees, but the value taken here is the length along the circle.
             let degrees = axis == polar.rotary && polar.cartesian;
             let way = polar.per_degree().filter(|_| degrees).unwrap_or(1.0);
-            self.take(id).map(|datum| Datum { value: datum.value * way, ..datum })
+            self.take(id).map(|datum| RetrievedValue { value: datum.value * way, ..datum })
         })
     }
 

@@ -3,23 +3,23 @@
 //! *Invariant:* only words of target positions are read so; words of presets, offsets, frames and centres keep their
 //! meaning. Decisions: docs/emulation.md, "Polar coordinate command".
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::frames::words::PolarWords;
 use crate::state::modal::{group, plane};
 use counterpoint_event::event::Position;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
-use counterpoint_program::block::Datum;
+use counterpoint_program::block::RetrievedValue;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::POLAR_WORDS_ON], |act, _, _| switch(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::POLAR_WORDS_OFF], |act, _, _| switch(act, false)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::POLAR_WORDS_ON], |act, _, _| switch(act, true)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::POLAR_WORDS_OFF], |act, _, _| switch(act, false)).contour(CompensationEffect::Waits),
 ];
 
-fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
+fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     if on || act.channel().state.place.frames.is_some() {
         act.channel_mut().state.place.frames().words = on.then(PolarWords::default);
         act.channel_mut().state.place.frames_changed();
@@ -27,7 +27,7 @@ fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
     super::mode::mode(act, if on { "polar words on" } else { "polar words off" })
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Axes whose words are a radius and an angle.
     pub(super) fn polar_axes(&self) -> Option<[AxisSlot; 2]> {
         let frames = self.channel().state.place.frames.as_deref()?;
@@ -41,7 +41,7 @@ impl Act<'_, '_> {
     pub(super) fn take_polar_words(&mut self, axes: [AxisSlot; 2], from: &Position, target: &mut Position) -> u8 {
         let [radius, angle] = axes.map(|axis| self.take_axis(axis));
         let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-        let is_distance = |word: &Datum| word.incremental || relative && !word.absolute;
+        let is_distance = |word: &RetrievedValue| word.incremental || relative && !word.absolute;
         let words = PolarWords {
             radius: radius.map(|word| (word.value, is_distance(&word))),
             // An angle has no unit of length.

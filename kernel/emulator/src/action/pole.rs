@@ -5,14 +5,14 @@
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::POLE_TOOL], |act, _, _| set(act, From::Tool)).contour(Contour::Waits),
-    Entry::of(&[codes::POLE_ZERO], |act, _, _| set(act, From::Zero)).contour(Contour::Waits),
-    Entry::of(&[codes::POLE_LAST], |act, _, _| set(act, From::Pole)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::POLE_TOOL], |act, _, _| set(act, From::Tool)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::POLE_ZERO], |act, _, _| set(act, From::Zero)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::POLE_LAST], |act, _, _| set(act, From::Pole)).contour(CompensationEffect::Waits),
 ];
 
 /// The reference point of the words of a pole.
@@ -22,7 +22,7 @@ enum From {
     Pole,
 }
 
-fn set(act: &mut Act<'_, '_>, from: From) -> Acted {
+fn set(act: &mut ActionContext<'_, '_>, from: From) -> Acted {
     let from = match from {
         From::Tool => act.channel().state.place.programmed(),
         From::Zero => Default::default(),

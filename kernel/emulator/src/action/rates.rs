@@ -10,9 +10,9 @@
 use counterpoint_machine::index::BySlot;
 use std::f64::consts::TAU;
 
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::frames::polar::between;
 use counterpoint_event::event::Position;
 
@@ -48,8 +48,8 @@ fn of_line([ax, ay]: [f64; 2], [bx, by]: [f64; 2], tight: f64) -> Vec<Piece> {
 }
 
 /// The same for a circle.
-fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
-    let Arc { center: [cx, cy], radius, start_angle, sweep } = *made;
+fn of_circle(made: &PlaneArc, tight: f64) -> Vec<Piece> {
+    let PlaneArc { center: [cx, cy], radius, start_angle, sweep } = *made;
     let off = cx.hypot(cy);
     let begin = start_angle - libm::atan2(cy, cx);
     let turns = (sweep.abs() / TAU).floor();
@@ -70,7 +70,7 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
         ends.sort_by(f64::total_cmp);
         let piece = |ends: &[f64]| match ends {
             [from, to] if to > from => {
-                let arc = Arc { start_angle: start_angle + from * sweep.signum(), ..*made };
+                let arc = PlaneArc { start_angle: start_angle + from * sweep.signum(), ..*made };
                 let round = super::polar::part_round(&arc, (to - from) * sweep.signum());
                 (radius * (to - from), round.abs())
             }
@@ -87,8 +87,8 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
 
 /// The same for a circle on a cylinder, with ways around it instead of degrees. `round`: which coordinate is the way
 /// round; `share`: part of the feed that the axis makes at its rate.
-fn on_cylinder(made: &Arc, round: usize, share: f64) -> Vec<Piece> {
-    let Arc { radius, start_angle, sweep, .. } = *made;
+fn on_cylinder(made: &PlaneArc, round: usize, share: f64) -> Vec<Piece> {
+    let PlaneArc { radius, start_angle, sweep, .. } = *made;
     // Where the tangent has its share of the way round, and where that changes its sign.
     let first = if round == 0 { 0.0 } else { TAU / 4.0 };
     let mut marks = vec![first, first + TAU / 2.0];
@@ -115,10 +115,10 @@ fn on_cylinder(made: &Arc, round: usize, share: f64) -> Vec<Piece> {
     pieces.collect()
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
-    pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
+    pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&PlaneArc>) -> f64 {
         if let Some(tip) = self.channel().state.place.tip() {
             let seconds = match self.channel().state.others.tip.follow {
                 Some(limit) => {
@@ -139,7 +139,7 @@ impl Act<'_, '_> {
         let Some(polar) = self.channel().state.place.polar() else { return seconds };
         let rate = self.channel().state.place.layout.axes[polar.rotary].rapid;
         let [start, end] = [from, to].map(|point| polar.part(&self.channel().state.place, point));
-        let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
+        let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), PlaneArc::length);
         let turned = (to.at(polar.rotary) - from.at(polar.rotary)).abs();
         if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {
             return seconds;
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn pieces_on_a_cylinder() {
-        let made = Arc { center: [0.0, 0.0], radius: 10.0, start_angle: 0.3, sweep: -TAU * 1.25 };
+        let made = PlaneArc { center: [0.0, 0.0], radius: 10.0, start_angle: 0.3, sweep: -TAU * 1.25 };
         for round in [0, 1] {
             for share in [0.5, 2.0] {
                 let (way, turned) = sums(&on_cylinder(&made, round, share));
@@ -192,7 +192,7 @@ mod tests {
             }
         }
         // A quarter from where the tangent goes round at the full feed: slow until 30 degrees are left.
-        let quarter = Arc { start_angle: 0.0, sweep: TAU / 4.0, ..made };
+        let quarter = PlaneArc { start_angle: 0.0, sweep: TAU / 4.0, ..made };
         let pieces = on_cylinder(&quarter, 1, 0.5);
         let slow = pieces.iter().find(|(way, _)| *way > 10.0).copied().unwrap_or_default();
         assert!(
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn pieces_of_a_circle() {
-        let around = |center, radius| Arc { center, radius, start_angle: 0.3, sweep: -3.0 * TAU };
+        let around = |center, radius| PlaneArc { center, radius, start_angle: 0.3, sweep: -3.0 * TAU };
         let own = sums(&of_circle(&around([0.0, 0.0], 2.0), 10.0));
         assert!((own.0 - 6.0 * TAU).abs() < 1e-9 && (own.1 - 1080.0).abs() < 1e-6, "{own:?}");
         // A circle that does not go around the centre goes there and back.

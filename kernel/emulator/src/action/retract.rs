@@ -3,8 +3,8 @@
 //! *Invariant:* the path is that of the axes of the machine, regardless of the active frame. Facts: reference
 //! heidenhain-cycles.md 6 (M140, MB of PLANE). Decisions: machines/heidenhain-milling/README.md.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use crate::state::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
@@ -19,9 +19,9 @@ use counterpoint_motion::frame::plane::UNITS;
 const ROUNDING: f64 = 1e-6;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::RETRACT_TOOL], |act, _, _| back(act))];
+pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::RETRACT_TOOL], |act, _, _| back(act))];
 
-fn back(act: &mut Act<'_, '_>) -> Acted {
+fn back(act: &mut ActionContext<'_, '_>) -> Acted {
     let rate = rate(act);
     let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) else {
         let text = format!("the retraction of '{}' has no way, nothing is moved", act.channel().block_text());
@@ -32,7 +32,7 @@ fn back(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Feed of the block, none where the block or the mode is rapid.
-pub(super) fn rate(act: &mut Act<'_, '_>) -> Rate {
+pub(super) fn rate(act: &mut ActionContext<'_, '_>) -> Rate {
     let rapid = act
         .channel()
         .block
@@ -44,7 +44,7 @@ pub(super) fn rate(act: &mut Act<'_, '_>) -> Rate {
 }
 
 /// Direction from the tip to the spindle: that of the head, on a machine without rotary axes the normal of the plane.
-fn along(act: &Act<'_, '_>, machine: &Position) -> Option<Point> {
+fn along(act: &ActionContext<'_, '_>, machine: &Position) -> Option<Point> {
     if !act.channel().can_tilt() {
         let [x, y, z] = UNITS;
         return Some(match act.channel().state.modal.code(group::PLANE) {
@@ -61,7 +61,7 @@ fn along(act: &Act<'_, '_>, machine: &Position) -> Option<Point> {
 pub(super) type Rate = Option<(Option<f64>, FeedUnit)>;
 
 /// A move to a point of the work frame.
-pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate) -> Acted {
+pub(super) fn go(act: &mut ActionContext<'_, '_>, coded: u8, target: Position, rate: Rate) -> Acted {
     match rate {
         None => act.rapid_to(coded, target),
         Some((feed, unit)) => act.feed_to(coded, target, feed, unit),
@@ -70,7 +70,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
 
 /// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, unless the tool is
 /// beyond that, or to the end of travel.
-pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
+pub(super) fn retract(act: &mut ActionContext<'_, '_>, way: f64, rate: Rate) -> Acted {
     let mut machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let Some(along) = along(act, &machine) else { return Ok(()) };
     let axes: Vec<(AxisSlot, f64)> = {

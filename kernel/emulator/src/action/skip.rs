@@ -4,22 +4,22 @@
 //! ever touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is
 //! reported.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::probing::Probing;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] =
-    &[Entry::of(&[codes::INTERP_SKIP], |act, _, _| probe(act)).moves().contour(Contour::Leaves)];
+pub(crate) const ENTRIES: &[ActionEntry] =
+    &[ActionEntry::of(&[codes::INTERP_SKIP], |act, _, _| probe(act)).moves().contour(CompensationEffect::Leaves)];
 
 /// Modal group of the alarm mode.
 const ALARM: u16 = 86;
 
 /// A probing move.
-pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn probe(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, target) = act.targets();
     if coded == 0 {

@@ -7,39 +7,44 @@
 use counterpoint_fault::{Acted, Halt};
 
 use super::spindles::{commanded, no_head};
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::cutter;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
-use counterpoint_event::event::Direction;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use counterpoint_event::event::SpindleDirection;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_sync::shared::Command;
+use counterpoint_sync::shared::SpindleCommand;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
+pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
-    .contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| with_speed_owner(act, css)).contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| with_speed_owner(act, rpm)).contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_speed_owner(act, limit)).contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
-    Entry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
-    Entry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
+    .contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_CSS], |act, _, _| with_speed_owner(act, css)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_RPM], |act, _, _| with_speed_owner(act, rpm)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_speed_owner(act, limit)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
+    ActionEntry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
+    ActionEntry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
 ];
 
 /// Start, stop, orient, lock. `number` 0 = the spindle of codes without a number.
-pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
+pub(super) fn turn(
+    act: &mut ActionContext<'_, '_>,
+    number: u16,
+    direction: SpindleDirection,
+    coolant: Option<bool>,
+) -> Acted {
     if let Some(on) = coolant {
         super::coolant::with_spindle(act, on);
     }
-    if matches!(direction, Direction::Clockwise | Direction::CounterClockwise) {
+    if matches!(direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise) {
         act.channel_mut().state.others.spindles.started = number;
     }
     commanded(act, number, |act| {
         let angle = match direction {
-            Direction::Oriented => act.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
+            SpindleDirection::Oriented => act.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
             _ => 0.0,
         };
         let css = act.spindle_command()?.css;
@@ -54,7 +59,10 @@ pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coo
 
 /// Lets an action command the spindle that speeds belong to: the active one, or that of the spindle code in the block,
 /// else that started last (`[control] speed_owner`).
-fn with_speed_owner(act: &mut Act<'_, '_>, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
+fn with_speed_owner(
+    act: &mut ActionContext<'_, '_>,
+    action: impl FnOnce(&mut ActionContext<'_, '_>) -> Acted,
+) -> Acted {
     if !act.channel().env.machine.habits.speed_follows_codes {
         return action(act);
     }
@@ -69,14 +77,14 @@ fn with_speed_owner(act: &mut Act<'_, '_>, action: impl FnOnce(&mut Act<'_, '_>)
 }
 
 /// Removes from the block the data that a code without a spindle would have used.
-pub(super) fn drop_data(act: &mut Act<'_, '_>) {
+pub(super) fn drop_data(act: &mut ActionContext<'_, '_>) {
     for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
         act.take(id);
     }
 }
 
 /// Constant surface speed on.
-pub(super) fn css(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
     let speed = take_speed(act, true);
     let driver = act.channel().state.others.spindles.driver.unwrap_or(act.channel().at.channel);
     act.command_spindle(|c| {
@@ -87,7 +95,7 @@ pub(super) fn css(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Revolutions per minute on.
-pub(super) fn rpm(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn rpm(act: &mut ActionContext<'_, '_>) -> Acted {
     let speed = take_speed(act, false);
     let held = held_speed(act)?;
     act.command_spindle(|c| {
@@ -102,7 +110,7 @@ pub(super) fn rpm(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Speed limit.
-pub(super) fn limit(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn limit(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(value) = act.take(data::SPINDLE_RPM_MAX).map(|d| d.value) else {
         let text = format!("a speed limit needs its value in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
@@ -112,7 +120,7 @@ pub(super) fn limit(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The channel whose X drives constant surface speed.
-pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
+pub(super) fn driver(act: &mut ActionContext<'_, '_>, channel: u16) -> Acted {
     if !act.channel().env.machine.channels.iter().any(|known| known.number == channel) {
         return no_head(act, f64::from(channel));
     }
@@ -121,7 +129,7 @@ pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
 }
 
 /// The radius at which the surface speed counts, regardless of X; zero or less = at X again.
-pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn radial(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(radius) = act.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
         let text = format!("a radius of constant surface speed needs its value in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
@@ -131,7 +139,7 @@ pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it is stopped.
-pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
+pub(super) fn turn_inside(act: &mut ActionContext<'_, '_>, direction: SpindleDirection) -> Acted {
     if act.channel().state.spindle.id.is_none() {
         return Ok(());
     }
@@ -139,14 +147,14 @@ pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted 
 }
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
-pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
+pub(crate) fn speed_word(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().state.place.frames.is_some() {
-        cutter::before(act, Contour::Commands, codes::SPINDLE_RPM)?;
+        cutter::before(act, CompensationEffect::Commands, codes::SPINDLE_RPM)?;
     }
     with_speed_owner(act, own_speed_word)
 }
 
-fn own_speed_word(act: &mut Act<'_, '_>) -> Acted {
+fn own_speed_word(act: &mut ActionContext<'_, '_>) -> Acted {
     let css = act.spindle_command()?.css;
     match take_speed(act, css) {
         Some(speed) if !act.channel().env.machine.habits.speed_word => {
@@ -159,7 +167,7 @@ fn own_speed_word(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The S of a block with a synchronised tap, which turns the spindle itself.
-pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn tap_speed(act: &mut ActionContext<'_, '_>) -> Acted {
     match take_speed(act, false) {
         Some(speed) => act.command_spindle(|c| set_speed(c, false, Some(speed))),
         None => Ok(()),
@@ -167,7 +175,7 @@ pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The speed of the block, otherwise one that was left for the next spindle code (reference control-emulator.md 1.5).
-fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
+fn take_speed(act: &mut ActionContext<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
     if let Some(word) = word {
         act.channel_mut().state.remembered.remember_speed(word.raw);
@@ -178,7 +186,7 @@ fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
 }
 
 /// `css`: m/min or ft/min becomes length units per minute.
-fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
+fn set_speed(command: &mut SpindleCommand, css: bool, speed: Option<f64>) {
     match speed {
         Some(value) if css => command.surface = value,
         Some(value) => command.rpm = value,
@@ -187,7 +195,7 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 }
 
 /// Speed that turns now, rev/min.
-fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
+fn held_speed(act: &mut ActionContext<'_, '_>) -> Result<f64, Halt> {
     let position = act.channel().state.place.contour();
     let radius = act.channel().state.place.radius(&position);
     Ok(match act.spindle_speed()? {

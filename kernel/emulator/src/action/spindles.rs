@@ -2,11 +2,11 @@
 //! mills.
 //!
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the active spindle is the one that
-//! `Act::command_spindle` commands. Commands of the channel for its other spindles are kept here, unless another channel
+//! `ActionContext::command_spindle` commands. Commands of the channel for its other spindles are kept here, unless another channel
 //! can command them too.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -14,16 +14,16 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::SPINDLE_CSS_ID], |act, _, _| driver_by_id(act)),
-    Entry::of(&[codes::SPINDLE_FRONT], |act, _, _| in_work(act, false)),
-    Entry::of(&[codes::SPINDLE_REAR], |act, _, _| in_work(act, true)),
-    Entry::of(&[codes::APPLY_TURN], |act, _, _| apply(act, false)),
-    Entry::of(&[codes::APPLY_MILL], |act, _, _| apply(act, true)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::SPINDLE_CSS_ID], |act, _, _| driver_by_id(act)),
+    ActionEntry::of(&[codes::SPINDLE_FRONT], |act, _, _| in_work(act, false)),
+    ActionEntry::of(&[codes::SPINDLE_REAR], |act, _, _| in_work(act, true)),
+    ActionEntry::of(&[codes::APPLY_TURN], |act, _, _| apply(act, false)),
+    ActionEntry::of(&[codes::APPLY_MILL], |act, _, _| apply(act, true)),
 ];
 
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
-pub(super) fn in_work(act: &mut Act<'_, '_>, rear: bool) -> Acted {
+pub(super) fn in_work(act: &mut ActionContext<'_, '_>, rear: bool) -> Acted {
     if act.channel().acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
         act.channel_mut().emit(0, Kind::mode(text));
@@ -33,7 +33,7 @@ pub(super) fn in_work(act: &mut Act<'_, '_>, rear: bool) -> Acted {
 }
 
 /// `CODE_APPLY_TURN`, `CODE_APPLY_MILL`.
-pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
+pub(super) fn apply(act: &mut ActionContext<'_, '_>, milling: bool) -> Acted {
     if act.channel().state.others.spindles.milling != milling {
         act.channel_mut().state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
@@ -44,7 +44,11 @@ pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
 }
 
 /// Lets an action command a spindle of the channel: `number` 0 = by codes without a number.
-pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
+pub(super) fn commanded(
+    act: &mut ActionContext<'_, '_>,
+    number: u16,
+    action: impl FnOnce(&mut ActionContext<'_, '_>) -> Acted,
+) -> Acted {
     let id = if number == 0 {
         act.channel().plain_spindle()
     } else {
@@ -65,7 +69,7 @@ pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(
 }
 
 /// The head that `CODE_SPINDLE_CSS_ID` names.
-pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn driver_by_id(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(id) = act.take(data::SPINDLE_CSS_ID).map(|d| d.value) else {
         let text = format!("no head is named in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
@@ -79,7 +83,7 @@ pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// There is no such head to drive constant surface speed.
-pub(super) fn no_head(act: &mut Act<'_, '_>, id: f64) -> Acted {
+pub(super) fn no_head(act: &mut ActionContext<'_, '_>, id: f64) -> Acted {
     let id = counterpoint_lang::format::wildcard_text(id);
     let text = format!("head {id} for constant surface speed not found in '{}'", act.channel().block_text());
     act.diagnose(&diag::NO_HEAD, text);

@@ -8,18 +8,18 @@ use counterpoint_machine::habits::Forbidden;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::stored::StoredArea;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::STORED_LIMIT_ON], |act, _, _| switch(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::STORED_LIMIT_OFF], |act, _, _| switch(act, false)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::STORED_LIMIT_ON], |act, _, _| switch(act, true)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::STORED_LIMIT_OFF], |act, _, _| switch(act, false)).contour(CompensationEffect::Waits),
 ];
 
 /// Sets the area and switches it on, or off.
-fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
+fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let habits = act.channel().env.machine.habits.stored_limits;
     let mut area = act.channel().state.place.stored.as_deref().copied().unwrap_or_default();
     if on {

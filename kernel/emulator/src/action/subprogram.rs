@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
 //! acts first.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -12,14 +12,14 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::model::CallForm;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::CALSUB_ID], |act, _, _| call(act)).contour(Contour::Waits),
-    Entry::of(&[codes::CALSUB_RANGE], |act, _, _| call_range(act)).contour(Contour::Waits),
-    Entry::of(&[codes::CALSUB_RETURN], |act, _, _| return_from(act)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::CALSUB_ID], |act, _, _| call(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CALSUB_RANGE], |act, _, _| call_range(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::CALSUB_RETURN], |act, _, _| return_from(act)).contour(CompensationEffect::Waits),
 ];
 
 /// Call by number, by name, or from a sequence number of the same program.
-pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn call(act: &mut ActionContext<'_, '_>) -> Acted {
     let id = act.take(data::CALSUB_ID).map(|d| d.value);
     let repeat = act.take(data::CALSUB_REPEAT).map(|d| d.value);
     if id.is_none()
@@ -63,7 +63,7 @@ fn sequence(value: f64) -> Option<u32> {
 }
 
 /// Call of the blocks from one sequence number or label to another in the current file; without the other, to a return.
-pub(super) fn call_range(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn call_range(act: &mut ActionContext<'_, '_>) -> Acted {
     let numbers = [data::CALSUB_BLOCK_START, data::CALSUB_BLOCK_END].map(|id| act.take(id).map(|d| d.value));
     let labels = [data::LABEL, data::LABEL_END].map(|id| act.take(id).map(|d| d.value));
     let repeat = act.take(data::RANGE_REPEAT).map(|d| d.value);
@@ -88,7 +88,7 @@ pub(super) fn call_range(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Return, optionally to a sequence number of the caller.
-pub(super) fn return_from(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn return_from(act: &mut ActionContext<'_, '_>) -> Acted {
     let target = act.take(data::CALSUB_ID).map(|d| d.value).filter(|v| *v >= 1.0 && v.fract() == 0.0);
     act.return_from(target.map(|v| v.min(f64::from(u32::MAX)) as u32));
     Ok(())

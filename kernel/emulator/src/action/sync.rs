@@ -2,8 +2,8 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.0, 1.3. The meaning of a word is data of the machine: see `waits`.
 
-use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -12,26 +12,26 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::model::SyncDialect;
 use counterpoint_machine::rows::CodeRow;
-use counterpoint_waits::balance::{self, Stage};
-use counterpoint_waits::{self as waits, Meaning, Said};
+use counterpoint_waits::balance::{self, BalanceStage};
+use counterpoint_waits::{self as waits, Meaning, WaitArguments};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::SYNC_REG], |act, row, _| by_row(act, row)),
-    Entry::of(&[codes::SYNC_REG_MAIN], |act, _, _| by_heads(act, data::SYNC_MAIN, 'S')),
-    Entry::of(&[codes::SYNC_REG_SIDE], |act, _, _| by_heads(act, data::SYNC_SIDE, 'S')),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::SYNC_REG], |act, row, _| by_row(act, row)),
+    ActionEntry::of(&[codes::SYNC_REG_MAIN], |act, _, _| by_heads(act, data::SYNC_MAIN, 'S')),
+    ActionEntry::of(&[codes::SYNC_REG_SIDE], |act, _, _| by_heads(act, data::SYNC_SIDE, 'S')),
     // The first line of a stretch that both heads cut together, and its last.
-    Entry::of(&[codes::SYNC_REG_START], |act, _, _| by_heads(act, data::SYNC_START, 'B')),
-    Entry::of(&[codes::SYNC_REG_STOP], |act, _, _| by_heads(act, data::SYNC_STOP, 'E')),
+    ActionEntry::of(&[codes::SYNC_REG_START], |act, _, _| by_heads(act, data::SYNC_START, 'B')),
+    ActionEntry::of(&[codes::SYNC_REG_STOP], |act, _, _| by_heads(act, data::SYNC_STOP, 'E')),
     // Two channels begin their cuts together.
-    Entry::of(&[codes::BALANCE_ON], |act, _, _| balance(act, true)),
-    Entry::of(&[codes::BALANCE_OFF], |act, _, _| balance(act, false)),
-    Entry::of(&[codes::SYNC_START_MAIN], |act, _, _| start(act, 1)),
-    Entry::of(&[codes::SYNC_START_SIDE], |act, _, _| start(act, 2)),
+    ActionEntry::of(&[codes::BALANCE_ON], |act, _, _| balance(act, true)),
+    ActionEntry::of(&[codes::BALANCE_OFF], |act, _, _| balance(act, false)),
+    ActionEntry::of(&[codes::SYNC_START_MAIN], |act, _, _| start(act, 1)),
+    ActionEntry::of(&[codes::SYNC_START_SIDE], |act, _, _| start(act, 2)),
 ];
 
 /// A mark of the main and the side head: both wait for equal numbers, for any words.
-fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
+fn by_heads(act: &mut ActionContext<'_, '_>, id: DataId, letter: char) -> Acted {
     let number = act.take(id).map_or(0.0, |d| d.value) as u32;
     let heads = waits::heads(act.channel().env.machine);
     let off = act.channel().env.machine.sync.dialect == SyncDialect::None || ignores_waits(act);
@@ -42,23 +42,23 @@ fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
 }
 
 /// Whether the job says that the channel never waits.
-fn ignores_waits(act: &Act<'_, '_>) -> bool {
+fn ignores_waits(act: &ActionContext<'_, '_>) -> bool {
     act.channel().env.options.ignore_waits.contains(&act.channel().at.channel)
 }
 
-fn pass(act: &mut Act<'_, '_>) -> Acted {
+fn pass(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().emit(0, Kind::mode("sync passed without waiting"));
     Ok(())
 }
 
 /// A word or text whose meaning is a row of the machine.
-fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
+fn by_row(act: &mut ActionContext<'_, '_>, row: &CodeRow) -> Acted {
     let number = act.take(data::SYNC).map_or(0.0, |d| d.value) as u32;
     let list = act.take(data::SYNC_PATHS).map(|d| d.raw);
     if act.channel().at.channel == 0 || !waits::is_on(act.channel().env.machine, row) {
         return pass(act);
     }
-    let said = Said { channel: act.channel().at.channel, number, list };
+    let said = WaitArguments { channel: act.channel().at.channel, number, list };
     let line_up = act.channel().block.line_up.and_then(|word| {
         let job = (act.channel().env.info, act.channel().env.sources);
         waits::of_systems(act.channel().env.machine, job, row, (act.channel().at.channel, word))
@@ -76,7 +76,7 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
 }
 
 /// Balance cutting on or off. Both channels wait at the code; between the codes each block waits before its first cut.
-fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
+fn balance(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let list = act.take(data::SYNC_PATHS).map(|d| d.raw);
     let active = act.channel_mut().state.others.balance.take();
     let off = act.channel().env.machine.sync.dialect == SyncDialect::None || act.channel().at.channel == 0;
@@ -84,10 +84,12 @@ fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
         return if on { pass(act) } else { Ok(()) };
     }
     let wait = match active.filter(|_| !on) {
-        Some(wait) => balance::at(act.channel().env.machine, &wait, Stage::Off),
+        Some(wait) => balance::at(act.channel().env.machine, &wait, BalanceStage::Off),
         None => {
-            match balance::wait(act.channel().env.machine, Said { channel: act.channel().at.channel, number: 0, list })
-            {
+            match balance::wait(
+                act.channel().env.machine,
+                WaitArguments { channel: act.channel().at.channel, number: 0, list },
+            ) {
                 Ok(wait) => wait,
                 Err(reason) => {
                     let text = format!("PS0163 {reason} in '{}'", act.channel().block_text());
@@ -97,12 +99,13 @@ fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
         }
     };
     act.wait_for(wait)?;
-    act.channel_mut().state.others.balance = on.then(|| balance::at(act.channel().env.machine, &wait, Stage::Cut));
+    act.channel_mut().state.others.balance =
+        on.then(|| balance::at(act.channel().env.machine, &wait, BalanceStage::Cut));
     Ok(())
 }
 
 /// A start by one of the heads: the head that the code names lets the other head continue, which waits for it.
-fn start(act: &mut Act<'_, '_>, by: u16) -> Acted {
+fn start(act: &mut ActionContext<'_, '_>, by: u16) -> Acted {
     let heads = waits::heads(act.channel().env.machine);
     // The code names a head by its place: the first or the second channel.
     let by = heads.iter().nth(usize::from(by).saturating_sub(1)).unwrap_or(by);

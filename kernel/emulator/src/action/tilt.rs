@@ -5,25 +5,26 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::act::Act;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::action::retract::{go, rate, retract};
-use crate::state::frames::tilt::{Parts, Turned};
+use crate::state::frames::tilt::{PartialPlane, Turned};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::local::Change;
-use counterpoint_machine::ident::kind::plane::{Form, Tilt};
+use counterpoint_machine::ident::kind::local::FrameChange;
+use counterpoint_machine::ident::kind::plane::{PlaneDefinition, Tilt};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::local::Part;
-use counterpoint_motion::frame::orient::Unreached;
+use counterpoint_motion::frame::local::LocalFramePart;
+use counterpoint_motion::frame::orient::OrientationError;
 use counterpoint_motion::frame::plane::{self, UNITS};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[entry_of_kind!(CodeKind::Plane(tilt) => |act, _row, _code| execute(act, tilt))];
+pub(crate) const ENTRIES: &[ActionEntry] =
+    &[entry_of_kind!(CodeKind::Plane(tilt) => |act, _row, _code| execute(act, tilt))];
 
 const ZERO: [DataId; 3] = [data::TILT_X, data::TILT_Y, data::TILT_Z];
 const SHIFT: [DataId; 3] = [data::TILT_SHIFT_X, data::TILT_SHIFT_Y, data::TILT_SHIFT_Z];
@@ -40,8 +41,15 @@ const NUMBERS: [DataId; 9] = [
 ];
 
 /// Forms by their numbers.
-const FORMS: [Form; 7] =
-    [Form::Euler, Form::Fixed, Form::Points, Form::Directions, Form::Projections, Form::Turned, Form::Positions];
+const FORMS: [PlaneDefinition; 7] = [
+    PlaneDefinition::Euler,
+    PlaneDefinition::Fixed,
+    PlaneDefinition::Points,
+    PlaneDefinition::Directions,
+    PlaneDefinition::Projections,
+    PlaneDefinition::Turned,
+    PlaneDefinition::Positions,
+];
 
 /// A definition: the plane in the frame around it, and the angles of the rotary axes if the definition gives them.
 struct Defined {
@@ -49,7 +57,7 @@ struct Defined {
     angles: Option<Turned>,
 }
 
-fn execute(act: &mut Act<'_, '_>, tilt: Tilt) -> Acted {
+fn execute(act: &mut ActionContext<'_, '_>, tilt: Tilt) -> Acted {
     match tilt {
         Tilt::On(form) => define(act, form, false),
         Tilt::Add(form) => define(act, form, true),
@@ -58,7 +66,7 @@ fn execute(act: &mut Act<'_, '_>, tilt: Tilt) -> Acted {
             Ok(())
         }
         Tilt::Cancel if end(act) => Ok(()),
-        Tilt::Cancel => super::local::change(act, Part::Rotate, Change::Off),
+        Tilt::Cancel => super::local::change(act, LocalFramePart::Rotate, FrameChange::Off),
         Tilt::Turn => turn(act, None),
         Tilt::Move => {
             let behind = act.take(data::TILT_DISTANCE).map_or(0.0, |datum| datum.value);
@@ -76,7 +84,7 @@ fn execute(act: &mut Act<'_, '_>, tilt: Tilt) -> Acted {
 }
 
 /// Ends the plane; `false` if there was none.
-fn end(act: &mut Act<'_, '_>) -> bool {
+fn end(act: &mut ActionContext<'_, '_>) -> bool {
     act.channel_mut().state.others.tilt = Default::default();
     let ended = act.channel_mut().end_tilt();
     if ended {
@@ -86,13 +94,13 @@ fn end(act: &mut Act<'_, '_>) -> bool {
 }
 
 /// The alarm for a block that says no plane.
-fn undefined(act: &mut Act<'_, '_>, why: &str) -> Halt {
+fn undefined(act: &mut ActionContext<'_, '_>, why: &str) -> Halt {
     let text = format!("{why} in '{}'; the plane is unchanged", act.channel().block_text());
     act.alarm(&diag::PLANE_UNDEFINED, text)
 }
 
 /// The alarm for a channel without rotary axes.
-fn no_axes(act: &mut Act<'_, '_>) -> Halt {
+fn no_axes(act: &mut ActionContext<'_, '_>) -> Halt {
     let text = format!(
         "the axes of channel {} do not tilt the tool in '{}'",
         act.channel().at.channel,
@@ -102,7 +110,7 @@ fn no_axes(act: &mut Act<'_, '_>) -> Halt {
 }
 
 /// Makes a plane.
-fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
+fn define(act: &mut ActionContext<'_, '_>, form: PlaneDefinition, add: bool) -> Acted {
     let defined = read(act, form, add)?;
     // A further block may complete it.
     let Some(Defined { plane, angles }) = defined else { return Ok(()) };
@@ -135,22 +143,22 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
     Ok(())
 }
 
-fn unreached(act: &mut Act<'_, '_>, why: Unreached) -> Acted {
+fn unreached(act: &mut ActionContext<'_, '_>, why: OrientationError) -> Acted {
     let why = match why {
-        Unreached::Direction => "no angles of the rotary axes bring the tool square to the plane",
-        Unreached::Travel => "the travel of the rotary axes ends before the plane",
-        Unreached::Side => "the rotary axes do not come into the plane on this side",
+        OrientationError::Direction => "no angles of the rotary axes bring the tool square to the plane",
+        OrientationError::Travel => "the travel of the rotary axes ends before the plane",
+        OrientationError::Side => "the rotary axes do not come into the plane on this side",
     };
     let text = format!("{why} of '{}'; nothing moves", act.channel().block_text());
     Err(act.alarm(&diag::PLANE_UNREACHABLE, text))
 }
 
 /// Definition in a block; none if it is a part of a definition that other blocks complete.
-fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Defined>, Halt> {
+fn read(act: &mut ActionContext<'_, '_>, of_code: PlaneDefinition, add: bool) -> Result<Option<Defined>, Halt> {
     let said = act.take(data::TILT_FORM).map(|datum| datum.value);
     let number = said.unwrap_or(0.0);
     let form = match of_code {
-        Form::Said => FORMS.iter().enumerate().find(|(at, _)| *at as f64 == number).map(|(_, form)| *form),
+        PlaneDefinition::Said => FORMS.iter().enumerate().find(|(at, _)| *at as f64 == number).map(|(_, form)| *form),
         form => Some(form),
     };
     // A factor of the word may leave noise.
@@ -158,43 +166,43 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
     let zero = lengths(act, ZERO);
     let shift = lengths(act, SHIFT).map(|value| value.unwrap_or(0.0));
     // Words of rotary axes may have the registers of the numbers.
-    let numbers = if form == Some(Form::Positions) { [None; 9] } else { numbers(act) };
+    let numbers = if form == Some(PlaneDefinition::Positions) { [None; 9] } else { numbers(act) };
     let rotation = act.take(data::TILT_ROTATION).map_or(0.0, |datum| datum.value);
     let Some(form) = form else { return Err(undefined(act, "no such form of a plane")) };
-    let by_parts = matches!(form, Form::Points | Form::Directions) && part.is_some();
+    let by_parts = matches!(form, PlaneDefinition::Points | PlaneDefinition::Directions) && part.is_some();
     if by_parts {
-        return parts(act, form == Form::Points, part.unwrap_or(0.0), (zero, numbers, rotation));
+        return parts(act, form == PlaneDefinition::Points, part.unwrap_or(0.0), (zero, numbers, rotation));
     }
     if forget_parts(act).is_some() {
         return Err(undefined(act, "a definition by several blocks is not complete"));
     }
-    if said.is_none() && form != Form::Positions && !complete(of_code, add, &numbers) {
+    if said.is_none() && form != PlaneDefinition::Positions && !complete(of_code, add, &numbers) {
         return Err(undefined(act, "values of the plane are missing"));
     }
     let of = |from: usize| -> Point { [0, 1, 2].map(|at| numbers.get(from + at).copied().flatten().unwrap_or(0.0)) };
     let mut angles = None;
     let turned = match form {
-        Form::Euler if part.is_some() => None,
-        Form::Euler => plane::turned([2, 0, 2], of(0)),
-        Form::Turned => order(part).and_then(|order| plane::turned(order, of(0))),
+        PlaneDefinition::Euler if part.is_some() => None,
+        PlaneDefinition::Euler => plane::turned([2, 0, 2], of(0)),
+        PlaneDefinition::Turned => order(part).and_then(|order| plane::turned(order, of(0))),
         // Angles by axis, in any order.
-        Form::Fixed => order(part).and_then(|order| {
+        PlaneDefinition::Fixed => order(part).and_then(|order| {
             let [a, b, c] = order.map(|axis| of(0).get(axis).copied().unwrap_or(0.0));
             plane::turned_about_fixed(order, [a, b, c])
         }),
-        Form::Points => plane::of_points([of(0), of(3), of(6)]),
-        Form::Directions => plane::of_directions(of(0), of(3)),
-        Form::Projections => {
+        PlaneDefinition::Points => plane::of_points([of(0), of(3), of(6)]),
+        PlaneDefinition::Directions => plane::of_directions(of(0), of(3)),
+        PlaneDefinition::Projections => {
             let [x, y, z] = of(0);
             plane::of_projections(x, y, z)
         }
-        Form::Positions => {
+        PlaneDefinition::Positions => {
             let said = positions(act);
             let made = act.channel().plane_at(&said);
             angles = Some(said);
             made
         }
-        Form::Said => None,
+        PlaneDefinition::Said => None,
     };
     let Some(turned) = turned else { return Err(undefined(act, "angles, directions or points of no plane")) };
     let around = Affine::rotation(UNITS[2], rotation).unwrap_or(Affine::SAME);
@@ -204,12 +212,12 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
 }
 
 /// Whether a code of a form of its own has all of its numbers; one that adds has one angle.
-fn complete(form: Form, add: bool, numbers: &[Option<f64>]) -> bool {
+fn complete(form: PlaneDefinition, add: bool, numbers: &[Option<f64>]) -> bool {
     let needed = match form {
-        Form::Said | Form::Positions => return true,
-        Form::Euler | Form::Fixed | Form::Turned | Form::Projections => 3,
-        Form::Directions => 6,
-        Form::Points => 9,
+        PlaneDefinition::Said | PlaneDefinition::Positions => return true,
+        PlaneDefinition::Euler | PlaneDefinition::Fixed | PlaneDefinition::Turned | PlaneDefinition::Projections => 3,
+        PlaneDefinition::Directions => 6,
+        PlaneDefinition::Points => 9,
     };
     let given = numbers.iter().take(needed).filter(|number| number.is_some()).count();
     given == if add { 1 } else { needed }
@@ -228,7 +236,7 @@ fn order(digits: Option<f64>) -> Option<[usize; 3]> {
 }
 
 /// Takes three lengths, as geometry.
-fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
+fn lengths(act: &mut ActionContext<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     let mut taken = ids.map(|id| act.take(id).map(|datum| datum.value));
     for (role, slot) in taken.iter_mut().enumerate() {
         *slot = slot.map(|value| value * act.channel().state.place.scale_of(role));
@@ -236,13 +244,13 @@ fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     taken
 }
 
-fn numbers(act: &mut Act<'_, '_>) -> [Option<f64>; 9] {
+fn numbers(act: &mut ActionContext<'_, '_>) -> [Option<f64>; 9] {
     NUMBERS.map(|id| act.take(id).map(|datum| datum.value))
 }
 
 /// Positions of the rotary axes by their words, otherwise by the numbers of the form in the order of the axes; others
 /// stay.
-fn positions(act: &mut Act<'_, '_>) -> Turned {
+fn positions(act: &mut ActionContext<'_, '_>) -> Turned {
     let chain = act.channel().chain();
     let tilts = |axis: &AxisSlot| chain.tables.iter().chain(&chain.heads).any(|joint| joint.axis == *axis);
     let axes: Vec<AxisSlot> = act.channel().state.place.layout.axes.ids().filter(tilts).collect();
@@ -267,7 +275,7 @@ fn positions(act: &mut Act<'_, '_>) -> Turned {
 
 /// A block of a definition that several blocks make (Fanuc G68.2 P2 Q0 to Q3, P3 Q1 and Q2).
 fn parts(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     points: bool,
     part: f64,
     (zero, numbers, rotation): ([Option<f64>; 3], [Option<f64>; 9], f64),
@@ -281,7 +289,7 @@ fn parts(
         return Err(undefined(act, "a definition by several blocks is not complete"));
     }
     // The blocks come in their order; that before the first point may be left out.
-    let mut all = started.map_or(Parts { points, known: [None; 4], rotation: 0.0 }, |started| *started);
+    let mut all = started.map_or(PartialPlane { points, known: [None; 4], rotation: 0.0 }, |started| *started);
     let fits = match all.known.iter().rposition(Option::is_some) {
         Some(before) => part == before as f64 + 1.0,
         None => part == 1.0 || points && part == 0.0,
@@ -327,14 +335,14 @@ fn parts(
 }
 
 /// Takes away the blocks of a definition that is not complete.
-fn forget_parts(act: &mut Act<'_, '_>) -> Option<Box<Parts>> {
+fn forget_parts(act: &mut ActionContext<'_, '_>) -> Option<Box<PartialPlane>> {
     let parts = act.channel_mut().state.place.frames.as_deref_mut()?.parts.take()?;
     act.channel_mut().state.place.frames_changed();
     Some(parts)
 }
 
 /// Turns the rotary axes into the plane; `keep`: a point so far behind the tip keeps its place on the part.
-fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
+fn turn(act: &mut ActionContext<'_, '_>, keep: Option<f64>) -> Acted {
     let known = act.channel().state.place.tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
     let angles = match known {
         Some((_, Some(angles))) => Ok(angles),
@@ -383,7 +391,7 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
     Ok(())
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A move in the middle of a definition is an alarm: it would be made in the wrong plane.
     #[cold]
     pub(super) fn check_parts(&mut self) {

@@ -3,10 +3,10 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::modal::group;
 use crate::state::plausible::LONGEST_MOVE;
 use counterpoint_event::event::{FeedUnit, Position};
@@ -16,7 +16,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::{Dynamics, RapidPath};
 
 /// The message about an unusable feed.
-fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
+fn lack(feed: Option<f64>) -> (&'static diag::DiagnosticFacts, &'static str) {
     match feed {
         None => (&diag::NO_FEED, "no feed rate is programmed for"),
         Some(_) => (&diag::FEED_NOT_POSITIVE, "the feed rate is zero or negative in"),
@@ -24,16 +24,16 @@ fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
 }
 
 /// A path whose time is requested.
-pub(super) struct Path<'a> {
+pub(super) struct TimedPath<'a> {
     pub(super) from: &'a Position,
     pub(super) to: &'a Position,
     /// Length that the feed applies to, geometry units.
     pub(super) length: f64,
     /// Arc and index of its radial coordinate (0, 1), when it is one and X is in its plane.
-    pub(super) arc: Option<(&'a Arc, Option<usize>)>,
+    pub(super) arc: Option<(&'a PlaneArc, Option<usize>)>,
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
         let changes = if !self.channel().state.place.couples() {
@@ -79,7 +79,7 @@ impl Act<'_, '_> {
     /// Seconds of a feed move without a usable feed: at the smallest one of the control, otherwise those of a rapid
     /// move.
     #[cold]
-    fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
+    fn without_feed(&mut self, path: &TimedPath<'_>, facts: &diag::DiagnosticFacts, what: &str) -> f64 {
         let least = self.channel().env.machine.habits.least_feed;
         let how = match least {
             _ if self.channel().env.machine.stops_at(facts) => "no part of the block acts".to_owned(),
@@ -114,7 +114,7 @@ impl Act<'_, '_> {
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
     pub(super) fn feed_seconds(
         &mut self,
-        path: &Path<'_>,
+        path: &TimedPath<'_>,
         feed: Option<f64>,
         unit: FeedUnit,
     ) -> Result<f64, counterpoint_fault::Halt> {
@@ -148,7 +148,7 @@ impl Act<'_, '_> {
     }
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
-    fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
+    fn paced(&self, path: &TimedPath<'_>, speed: f64) -> f64 {
         let exact = self.channel().block.flags.exact_stop
             || self.channel().state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         // Where moves are planned ahead, the stop is planned as well.
@@ -168,7 +168,7 @@ impl Act<'_, '_> {
     }
 
     /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
-    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
+    fn revolution_minutes(&mut self, path: &TimedPath<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.speed_of_cut()? else {
             let text = format!(
                 "{} in '{}' with feed per revolution, the move is timed as rapid",
@@ -178,11 +178,11 @@ impl Act<'_, '_> {
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);
         };
-        use crate::state::spindle::{Turning, stopped};
+        use crate::state::spindle::{SpindleRotation, stopped};
         let minutes = match speed {
-            Turning::Fixed(rpm) => path.length / (feed * rpm),
-            Turning::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
-            Turning::Surface(surface) => match path.arc {
+            SpindleRotation::Fixed(rpm) => path.length / (feed * rpm),
+            SpindleRotation::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
+            SpindleRotation::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
                     let [start, end] = [path.from, path.to].map(|p| self.channel().state.place.radius(p));

@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
 use super::frame;
-use crate::act::Act;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::state::frames::clean;
 use counterpoint_event::event::{Kind, Position};
 use counterpoint_fault as diag;
@@ -12,16 +12,16 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::paths::Missing;
+use counterpoint_machine::model::paths::DirectionDefault;
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::orient::{Free, Rule, Turns, Way};
+use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, TurnChoice};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::RTCP_ON], |act, _, _| on(act, 1)),
-    Entry::of(&[codes::RTCP2_ON], |act, _, _| on(act, 2)),
-    Entry::of(&[codes::RTCP_AT_ENDS], |act, _, _| on(act, AT_ENDS)),
-    Entry::of(&[codes::RTCP_OFF], |act, _, _| off(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::RTCP_ON], |act, _, _| on(act, 1)),
+    ActionEntry::of(&[codes::RTCP2_ON], |act, _, _| on(act, 2)),
+    ActionEntry::of(&[codes::RTCP_AT_ENDS], |act, _, _| on(act, AT_ENDS)),
+    ActionEntry::of(&[codes::RTCP_OFF], |act, _, _| off(act)),
     entry_of_kind!(CodeKind::TipFormat(format) => |act, _row, _code| orient(act, format)),
 ];
 
@@ -41,7 +41,7 @@ const WORDS: [[DataId; 3]; 5] = [
 const NAMES: [&str; 6] = ["axes", "vector", "2pt", "rpy", "euler", "custom"];
 
 /// Switches it on, with the length offset of the block if there is one.
-pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
+pub(super) fn on(act: &mut ActionContext<'_, '_>, method: u8) -> Acted {
     let number = act.take(data::COMP_LENGTH).map(|d| d.value).filter(|n| (0.0..=999_999.0).contains(n));
     if let Some(number) = number {
         frame::length_on(act, number as u32);
@@ -75,7 +75,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
 }
 
 /// Switches tool tip control off. A move that compensation holds back has points of the tip, so it is executed first.
-pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn off(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().state.place.tip().is_some() {
         act.flush_lookahead()?;
     }
@@ -86,7 +86,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// How the orientation is written from here on.
-pub(super) fn orient(act: &mut Act<'_, '_>, format: u8) -> Acted {
+pub(super) fn orient(act: &mut ActionContext<'_, '_>, format: u8) -> Acted {
     act.channel_mut().state.others.tip.format = format;
     if act.channel().acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
@@ -121,7 +121,7 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
     }
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip,
     /// one that turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
     #[inline(always)]
@@ -189,10 +189,10 @@ impl Act<'_, '_> {
             self.diagnose(&diag::TIP_WORDS_MIXED, text);
         }
         let mut values = match self.channel().env.machine.kinematics.missing {
-            Missing::Keep => {
+            DirectionDefault::Keep => {
                 self.channel().state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default()
             }
-            Missing::Zero => Point::default(),
+            DirectionDefault::Zero => Point::default(),
         };
         for (slot, given) in values.iter_mut().zip(given) {
             *slot = given.unwrap_or(*slot);
@@ -225,7 +225,8 @@ impl Act<'_, '_> {
     /// The solution with the least turning that stays within the limits, near where the axes are.
     pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
         let chain = self.channel().chain();
-        let rule = Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays };
+        let rule =
+            PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays };
         let pairs = chain.pairs(direction, &rule, |axis| self.channel().state.place.stand(axis));
         let any = !pairs.iter().any(|pair| pair.inside);
         let pick = pairs.iter().filter(|pair| any || pair.inside);

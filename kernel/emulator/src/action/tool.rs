@@ -2,22 +2,22 @@
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::modal::group;
 use counterpoint_event::event::ToolAction;
 use counterpoint_fault::Acted;
-use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_machine::ident::{codes, data};
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)).contour(Contour::Waits),
-    Entry::of(&[codes::TOOL_LOAD], |act, _, _| load(act)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::TOOL_LOAD], |act, _, _| load(act)),
 ];
 
 /// Preselects a tool.
-pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn select(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(word) = tool_word(act) else { return Ok(()) };
     let (tool, offset) = split(act, word);
     act.channel_mut().state.place.tools.chosen = true;
@@ -25,7 +25,7 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Loads a tool, or changes only its offset when the tool is already in use.
-pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn load(act: &mut ActionContext<'_, '_>) -> Acted {
     // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not
     // turn.
     let empties = act.channel().env.machine.tool.offset_digits == 0;
@@ -73,7 +73,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Reports a tool offset that has no values; on a machine without any tool offsets once, as a remark.
-fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
+fn missing_offset(act: &mut ActionContext<'_, '_>, offset: u32) {
     let machine = act.channel().env.machine;
     if !machine.tool.offsets.is_empty() {
         missing_among_listed(act, offset);
@@ -85,12 +85,12 @@ fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
             machine.name,
             act.channel().block_text()
         );
-        act.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
+        act.diagnose(&DiagnosticFacts { severity: 0, ..diag::NO_OFFSET }, text);
     }
 }
 
 /// Reports a tool offset that has no values, if the machine or its table of tools gives values to others.
-pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
+pub(super) fn missing_among_listed(act: &mut ActionContext<'_, '_>, offset: u32) {
     let machine = act.channel().env.machine;
     if machine.tool.offsets.is_empty() || !has_no_values(act, offset) {
         return;
@@ -102,7 +102,7 @@ pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
 
 /// A tool offset by its tool, as programs call it, where programs do not give numbers of offsets: an edge of a tool, or a
 /// tool of a control that calls tools by name.
-pub(super) fn in_words(act: &Act<'_, '_>, offset: u32) -> Option<String> {
+pub(super) fn in_words(act: &ActionContext<'_, '_>, offset: u32) -> Option<String> {
     let (rows, tools) = (&act.channel().env.machine.tool, &act.channel().state.others.tools);
     let named = |tool: u32| {
         let known = rows.facts(tool).map(|facts| facts.name.as_str()).filter(|name| !name.is_empty());
@@ -121,17 +121,17 @@ pub(super) fn in_words(act: &Act<'_, '_>, offset: u32) -> Option<String> {
     Some(named(if own { offset } else { loaded }))
 }
 
-fn has_no_values(act: &Act<'_, '_>, offset: u32) -> bool {
+fn has_no_values(act: &ActionContext<'_, '_>, offset: u32) -> bool {
     let set = act.channel().state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
     offset != 0 && !set && act.channel().env.machine.tool.offsets.iter().all(|known| known.number != offset)
 }
 
-fn tool_word(act: &mut Act<'_, '_>) -> Option<f64> {
+fn tool_word(act: &mut ActionContext<'_, '_>) -> Option<f64> {
     act.take(data::TOOL).map(|d| d.value).filter(|v| (0.0..=99_999_999.0).contains(v))
 }
 
 /// Tool and offset number of a tool word.
-fn split(act: &Act<'_, '_>, word: f64) -> (u32, u32) {
+fn split(act: &ActionContext<'_, '_>, word: f64) -> (u32, u32) {
     let word = word as u32;
     let digits = u32::from(act.channel().env.machine.tool.offset_digits);
     match 10_u32.checked_pow(digits) {
@@ -141,7 +141,7 @@ fn split(act: &Act<'_, '_>, word: f64) -> (u32, u32) {
 }
 
 /// Constant part, plus the steps of the turret the shorter way round.
-fn change_seconds(act: &Act<'_, '_>, tool: u32) -> f64 {
+fn change_seconds(act: &ActionContext<'_, '_>, tool: u32) -> f64 {
     let time = &act.channel().env.machine.time;
     let stations = time.stations;
     let steps = if stations > 0 {

@@ -8,12 +8,12 @@ use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc as geometry;
 use nalgebra::Vector3;
 
-use super::arc::Circle;
-use crate::act::Act;
+use super::arc::CircularMove;
+use crate::act::ActionContext;
 use crate::state::alarms::STRAIGHT;
 use crate::state::modal::{Plane, plane};
 use counterpoint_event::event::{FeedUnit, Position};
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -34,7 +34,7 @@ struct Sides {
 }
 
 /// Makes a circle whose points are those of the program.
-pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Acted {
+pub(super) fn circle(act: &mut ActionContext<'_, '_>, plane: Plane, circle: &CircularMove) -> Acted {
     let map = act.channel().state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
@@ -60,7 +60,7 @@ fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
 
 /// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is not a
 /// circle there.
-pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<geometry::Arc> {
+pub(super) fn on_part(map: &Affine, made: geometry::PlaneArc, level: f64) -> Option<geometry::PlaneArc> {
     if *map == Affine::SAME {
         return Some(made);
     }
@@ -72,7 +72,7 @@ pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<g
     let [x, y, _] = map.point([cx, cy, level]);
     let spoke = map.direction([libm::cos(made.start_angle), libm::sin(made.start_angle), 0.0]);
     let ([a, b, _], [c, d, _]): (Point, Point) = (sides.first.into(), sides.second.into());
-    Some(geometry::Arc {
+    Some(geometry::PlaneArc {
         center: [x, y],
         radius: made.radius * sides.scale,
         start_angle: libm::atan2(spoke[1], spoke[0]),
@@ -91,10 +91,10 @@ fn roles(sides: &Sides) -> Option<[usize; 2]> {
 
 /// A circle that lies in the plane of two axes.
 fn flat(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     map: &Affine,
     (plane, roles): (Plane, [usize; 2]),
-    (circle, scale): (&Circle, f64),
+    (circle, scale): (&CircularMove, f64),
     from: Position,
 ) -> Acted {
     let axes = roles.map(|role| act.channel().state.place.layout.cartesian.get(role).copied().flatten());
@@ -113,20 +113,20 @@ fn flat(
     let unit = |role: usize| pick(map.direction(Vector3::ith(role, 1.0).into()));
     let ([a, b], [c, d]) = (unit(plane.first), unit(plane.second));
     let sweep = if a * d - b * c < 0.0 { -circle.made.sweep } else { circle.made.sweep };
-    let made = geometry::Arc {
+    let made = geometry::PlaneArc {
         center,
         radius: circle.made.radius * scale,
         start_angle: libm::atan2(start[1] - center[1], start[0] - center[0]),
         sweep,
     };
-    act.circle_to(&Circle { made, from, to, axes: [first, second], ..*circle })
+    act.circle_to(&CircularMove { made, from, to, axes: [first, second], ..*circle })
 }
 
 /// A circle between the axes, in straight pieces that stay near to it.
-fn leaning(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
+fn leaning(act: &mut ActionContext<'_, '_>, plane: Plane, circle: &CircularMove, scale: f64) -> Acted {
     let near = match act.channel().env.machine.unit {
-        Unit::Mm => 0.001,
-        Unit::Inch => 0.001 / 25.4,
+        MachineUnit::Mm => 0.001,
+        MachineUnit::Inch => 0.001 / 25.4,
     };
     let made = &circle.made;
     let step = 2.0 * libm::acos((1.0 - near / (made.radius * scale)).clamp(-1.0, 1.0));

@@ -4,11 +4,11 @@
 //! concerns all accesses is here. Facts: reference channel-synchronisation.md 2.4.
 
 use counterpoint_event::event::RaceWith;
-use counterpoint_fault::{self as diag, Acted, Facts, Halt};
-use counterpoint_ports::options::Races;
+use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
+use counterpoint_ports::options::RacePolicy;
 use counterpoint_sync::order::Order;
-use counterpoint_sync::races::{Access, Mode, Race, Variable};
-use counterpoint_sync::shared::Shared;
+use counterpoint_sync::races::{AccessMode, AccessSite, Race, RaceVariable};
+use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::verdict;
 
 use super::Kernel;
@@ -29,8 +29,8 @@ pub(crate) enum Door<'n> {
 }
 
 /// Executes an access; a write may end loops in which other channels wait.
-fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -> R) -> R {
-    if mode == Mode::Write {
+fn reach<R>(order: &mut Order, mode: AccessMode, operation: impl FnOnce(&mut SharedState) -> R) -> R {
+    if mode == AccessMode::Write {
         order.change();
     }
     operation(&mut order.shared)
@@ -38,10 +38,10 @@ fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -
 
 impl Door<'_> {
     /// Whether it leads to this variable.
-    pub(super) fn leads_to(self, variable: &Variable) -> bool {
+    pub(super) fn leads_to(self, variable: &RaceVariable) -> bool {
         match (self, variable) {
-            (Self::Named(name), Variable::Named(known)) => *name == **known,
-            (Self::Common(index), Variable::Common(known)) | (Self::Global(index), Variable::Global(known)) => {
+            (Self::Named(name), RaceVariable::Named(known)) => *name == **known,
+            (Self::Common(index), RaceVariable::Common(known)) | (Self::Global(index), RaceVariable::Global(known)) => {
                 index == *known
             }
             _ => false,
@@ -49,14 +49,14 @@ impl Door<'_> {
     }
 
     /// The variable of programs that it leads to.
-    pub(super) fn variable(self) -> Option<Variable> {
+    pub(super) fn variable(self) -> Option<RaceVariable> {
         match self {
-            Self::Common(index) => Some(Variable::Common(index)),
+            Self::Common(index) => Some(RaceVariable::Common(index)),
             // Not a variable of programs: data of pre-processors about a definition, which the first definition makes
             // for all.
             Self::Named(name) if name.contains(' ') => None,
-            Self::Named(name) => Some(Variable::Named(name.into())),
-            Self::Global(index) => Some(Variable::Global(index)),
+            Self::Named(name) => Some(RaceVariable::Named(name.into())),
+            Self::Global(index) => Some(RaceVariable::Global(index)),
             Self::Spindle | Self::File => None,
         }
     }
@@ -70,11 +70,11 @@ impl Kernel<'_> {
     pub(crate) fn access<R>(
         &mut self,
         door: Door<'_>,
-        mode: Mode,
-        operation: impl FnOnce(&mut Shared) -> R,
+        mode: AccessMode,
+        operation: impl FnOnce(&mut SharedState) -> R,
     ) -> Result<R, Halt> {
         let result = self.access_in_order(door, mode, operation);
-        if mode == Mode::Write && self.ports.control.interferes() && result.is_ok() {
+        if mode == AccessMode::Write && self.ports.control.interferes() && result.is_ok() {
             self.has_written(door);
         }
         result
@@ -83,10 +83,10 @@ impl Kernel<'_> {
     fn access_in_order<R>(
         &mut self,
         door: Door<'_>,
-        mode: Mode,
-        operation: impl FnOnce(&mut Shared) -> R,
+        mode: AccessMode,
+        operation: impl FnOnce(&mut SharedState) -> R,
     ) -> Result<R, Halt> {
-        if mode == Mode::Write {
+        if mode == AccessMode::Write {
             self.flow.pass.effects = true;
         } else {
             self.flow.pass.polls(door);
@@ -100,10 +100,10 @@ impl Kernel<'_> {
         let Some(variable) = judged.then(|| door.variable()).flatten() else {
             return self.shared_ahead(|order| reach(order, mode, operation));
         };
-        let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
+        let mode = if mode == AccessMode::Read && self.is_polling() { AccessMode::Poll } else { mode };
         let at = &self.channel.at;
         let place = at.user_place();
-        let own = Access { channel: at.channel, file: place.file, line: place.line };
+        let own = AccessSite { channel: at.channel, file: place.file, line: place.line };
         let (result, races) = self.shared_ahead(|order| {
             let races = order.races.as_mut().map(|races| races.access(&variable, own, mode)).unwrap_or_default();
             (reach(order, mode, operation), races)
@@ -114,23 +114,23 @@ impl Kernel<'_> {
         Ok(result)
     }
 
-    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
+    fn report_race(&mut self, variable: &RaceVariable, own: AccessSite, mode: AccessMode, race: Race) -> Acted {
         let name = self.macros.variable_name(variable);
         let does = |wrote| if wrote { "writes" } else { "reads" };
-        let place = |access: Access| verdict::place(self.channel.env.info, access.file, access.line);
+        let place = |access: AccessSite| verdict::place(self.channel.env.info, access.file, access.line);
         let text = format!(
             "only timing decides the value of {name}: channel {} {} it at {}, channel {} {} it at {}; put a wait between them",
             race.earlier.channel,
             does(race.wrote),
             place(race.earlier),
             own.channel,
-            does(mode == Mode::Write),
+            does(mode == AccessMode::Write),
             place(own),
         );
         let (channel, line) = (race.earlier.channel, race.earlier.line);
         self.channel.reports.race = Some(Box::new(RaceWith { variable: name.into(), channel, line }));
-        let done = if self.channel.env.options.races == Races::Alarm {
-            Err(self.fatal(&Facts { severity: 12, alarm: true, ..diag::SHARED_RACE }, text))
+        let done = if self.channel.env.options.races == RacePolicy::Alarm {
+            Err(self.fatal(&DiagnosticFacts { severity: 12, alarm: true, ..diag::SHARED_RACE }, text))
         } else {
             self.diagnose(&diag::SHARED_RACE, text);
             Ok(())

@@ -7,9 +7,9 @@ use std::fmt::Debug;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::state::cycle::Hole;
-use crate::state::figure::Figure;
-use crate::state::turning::{ContourCycle, Reading};
+use crate::state::cycle::CycleHole;
+use crate::state::figure::CopiedFigure;
+use crate::state::turning::{ContourCycle, RecordedContour};
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::rows::CodeRow;
@@ -44,7 +44,7 @@ pub(crate) struct StraightMoves {
 
 /// The built-in actions: those of codes, and those that other stages of the pipeline need.
 #[derive(Debug)]
-pub struct Actions {
+pub struct ActionTable {
     /// Action of a code; `None` for a code without a built-in action.
     pub(crate) of: fn(CodeId) -> Option<&'static dyn Action>,
     /// Finishes a move that compensation keeps back, without knowing the next one.
@@ -60,17 +60,17 @@ pub struct Actions {
     /// Numbers of offsets without their codes; the registers whose words no code of the block takes, bit by register.
     pub(crate) offset_words: fn(&mut Kernel<'_>, u128) -> Acted,
     /// Makes a hole of a cycle.
-    pub(crate) make_hole: fn(&mut Kernel<'_>, &Hole) -> Acted,
+    pub(crate) make_hole: fn(&mut Kernel<'_>, &CycleHole) -> Acted,
     /// Actions by which contour blocks are read; none among them.
-    pub(crate) reading: Option<&'static Actions>,
+    pub(crate) reading: Option<&'static ActionTable>,
     /// Records a motion in place of making it; none where motions are made.
     pub(crate) record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// Cuts along a contour that was read.
-    pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, Reading) -> Acted,
+    pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, RecordedContour) -> Acted,
     /// Removes stock along a contour that was read.
     pub(crate) strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
     /// Puts the frame of a further copy of a figure into force, or the frame before the copies.
-    pub(crate) copy_figure: fn(&mut Kernel<'_>, &Figure, bool) -> Acted,
+    pub(crate) copy_figure: fn(&mut Kernel<'_>, &CopiedFigure, bool) -> Acted,
     /// Straight moves that no code makes.
     pub(crate) straight: StraightMoves,
 }

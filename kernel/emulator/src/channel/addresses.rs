@@ -1,14 +1,14 @@
 //! The last value of each address: the only source for system variables and stepping.
 //!
-//! The words themselves are in [`Remembered`](crate::state::remembered::Remembered); this module converts them to the
+//! The words themselves are in [`RememberedWords`](crate::state::remembered::RememberedWords); this module converts them to the
 //! units of the program and adds the values of the running program. Program numbers come from the words that define the
 //! programs, and from calls by number, never from a file name. *Invariant:* reading changes nothing. Facts: reference
 //! fanuc-variables-and-alarms.md 1.5.
 
 use super::Kernel;
-use super::flow::{Callee, Frame};
+use super::flow::{Callee, RunningProgram};
 use crate::channel::system_variables;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::{feed_of, group};
 use counterpoint_machine::ident::dimension::Dimension;
@@ -67,7 +67,7 @@ impl Kernel<'_> {
 }
 
 /// Number of the program of a frame, 0 without one; none where blocks of the program before it run.
-fn program_of(channel: &Channel<'_>, frame: &Frame) -> Option<u32> {
+fn program_of(channel: &ChannelContext<'_>, frame: &RunningProgram) -> Option<u32> {
     match frame.called.what {
         Callee::Program(0) | Callee::Named(_) => Some(defined(channel, frame)),
         Callee::Program(number) | Callee::ProgramFrom(number, _) => Some(number),
@@ -76,7 +76,7 @@ fn program_of(channel: &Channel<'_>, frame: &Frame) -> Option<u32> {
 }
 
 /// The program number in the text of a frame: that of its first definition, or of the program in which it begins.
-fn defined(channel: &Channel<'_>, frame: &Frame) -> u32 {
+fn defined(channel: &ChannelContext<'_>, frame: &RunningProgram) -> u32 {
     let range = &frame.range;
     let programs = channel.env.sources.get(frame.file).map_or(&[][..], |source| source.programs());
     let own = programs.iter().filter(|own| (range.first..=range.last).contains(&own.first));

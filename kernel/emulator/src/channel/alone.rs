@@ -5,12 +5,12 @@
 //! a channel receives depends only on the order of shared operations, and so on simulated time.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_sync::shared::Alone;
+use counterpoint_sync::shared::OneSidedCoupling;
 
 use super::Kernel;
-use super::coupling::{Meeting, Moved, key as coupling_key};
+use super::coupling::{CoupledAxisMove, Meeting, key as coupling_key};
 use crate::state::coupling::{Coupling, Parking};
-use counterpoint_waits::coupling::{self, Kind, Pair};
+use counterpoint_waits::coupling::{self, CoupledPair, CouplingKind};
 
 impl Kernel<'_> {
     /// Whether the program of this channel alone has the code of synchronous control.
@@ -38,7 +38,7 @@ impl Kernel<'_> {
 
     /// Couples an axis of this channel with an axis of another channel and notifies that channel. For a coupled pair,
     /// changes parking.
-    pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
+    pub(crate) fn couple_alone(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         self.flush_lookahead()?;
         self.end_own(&pair);
         self.say(&pair, parking, true)?;
@@ -50,7 +50,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling that this channel has commanded.
-    pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
+    pub(crate) fn end_alone(&mut self, pair: CoupledPair) -> Acted {
         self.flush_lookahead()?;
         self.say(&pair, Parking::Neither, false)?;
         let moved = self.end_own(&pair);
@@ -59,16 +59,16 @@ impl Kernel<'_> {
     }
 
     /// The other channel has moved nothing since.
-    fn forget_theirs(&mut self, pair: &Pair) -> Acted {
+    fn forget_theirs(&mut self, pair: &CoupledPair) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let key = coupling_key(other, own, Meeting::Between);
         self.shared(|order| order.shared.coupled.remove(&key)).map(|_| ())
     }
 
     /// Notifies the other channel.
-    fn say(&mut self, pair: &Pair, parking: Parking, on: bool) -> Acted {
+    fn say(&mut self, pair: &CoupledPair, parking: Parking, on: bool) -> Acted {
         let Some((own, _)) = pair.of(self.channel.at.channel) else { return Ok(()) };
-        let alone = Alone {
+        let alone = OneSidedCoupling {
             by: own.channel,
             master: pair.master.number,
             slave: pair.slave.number,
@@ -80,7 +80,7 @@ impl Kernel<'_> {
     }
 
     /// The coupling begins for the axis of this channel.
-    fn begin_coupling(&mut self, pair: Pair, parking: Parking) {
+    fn begin_coupling(&mut self, pair: CoupledPair, parking: Parking) {
         let Some((own, _)) = pair.of(self.channel.at.channel) else { return };
         let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else { return };
         let stood = self.place_of(slot);
@@ -91,7 +91,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling that this channel has commanded: a slave is where its master had brought it at the last barrier.
-    fn end_own(&mut self, pair: &Pair) -> Option<Moved> {
+    fn end_own(&mut self, pair: &CoupledPair) -> Option<CoupledAxisMove> {
         let sign = pair.sign(self.channel.env.machine);
         let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
         let theirs = coupled.map_or(0.0, |coupling| sign * (self.place_of(coupling.slot) - coupling.stood));
@@ -103,14 +103,15 @@ impl Kernel<'_> {
     #[inline(never)]
     pub(super) fn learn_couplings(&mut self) -> Acted {
         let known = self.channel.state.others.alone.learned;
-        let news = self.shared(|order| order.shared.alone.get(known..).map_or_else(Vec::new, <[Alone]>::to_vec))?;
+        let news =
+            self.shared(|order| order.shared.alone.get(known..).map_or_else(Vec::new, <[OneSidedCoupling]>::to_vec))?;
         self.channel.state.others.alone.learned += news.len();
         let (machine, own) = (self.channel.env.machine, self.channel.at.channel);
         for alone in news.iter().filter(|alone| alone.by != own) {
             let end = |letter, number: u16| coupling::end(machine, letter, Some(f64::from(number)));
             let ends = end('P', alone.master).and_then(|master| Ok((master, end('Q', alone.slave)?)));
             let Ok((master, slave)) = ends else { continue };
-            let pair = Pair { kind: Kind::Synchronous, master, slave };
+            let pair = CoupledPair { kind: CouplingKind::Synchronous, master, slave };
             if pair.of(own).is_none() {
                 continue;
             }
@@ -128,7 +129,7 @@ impl Kernel<'_> {
     }
 
     /// A slave is where its master has brought it since the coupling was commanded.
-    fn follow_since(&mut self, pair: &Pair) -> Result<Option<Moved>, Halt> {
+    fn follow_since(&mut self, pair: &CoupledPair) -> Result<Option<CoupledAxisMove>, Halt> {
         let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
         let follows = coupled.filter(|coupling| coupling.follows() && coupling.parking != Parking::Slave);
         let Some((slot, stood)) = follows.map(|coupling| (coupling.slot, coupling.stood)) else { return Ok(None) };

@@ -6,24 +6,24 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::pattern::Memory;
+use counterpoint_lang::pattern::SearchMemory;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use super::components::Turns;
+use super::components::ComponentSelection;
 use super::dialect_state::DialectState;
-use super::flow::Flow;
+use super::flow::ProgramFlow;
 use crate::macros::runtime::Runtime;
-use crate::state::State;
-use crate::state::at::At;
+use crate::state::ChannelMemory;
+use crate::state::at::ExecutionPoint;
 use crate::state::burden::Burden;
-use crate::state::channel::{BlockText, Channel, Reports};
+use crate::state::channel::{BlockText, ChannelContext, Reports};
 use crate::state::context::BlockContext;
 use crate::state::times::TimeRecord;
 use counterpoint_event::event::FileId;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::tape;
 use counterpoint_sync::tag::Tag;
 
@@ -36,11 +36,11 @@ pub struct Lived {
     /// Tag of the end of its program in the log, if the program has ended.
     pub ended: Option<Tag>,
     /// The state that it keeps if it may be started again.
-    pub left: Option<Box<Carried>>,
+    pub left: Option<Box<CarriedState>>,
 }
 
 /// State of a kernel between two runs.
-pub struct Carried {
+pub struct CarriedState {
     /// Number of the channel.
     pub channel: u16,
     clock: i64,
@@ -51,13 +51,13 @@ pub struct Carried {
     diagnostics: u32,
     raised: FxHashMap<u32, u32>,
     burden: Burden,
-    tape: (tape::Rules, Memory),
+    tape: (tape::TapeRuleSet, SearchMemory),
     context: BlockContext,
-    state: State,
-    flow: Flow,
+    state: ChannelMemory,
+    flow: ProgramFlow,
     dialect: DialectState,
     macros: Box<Runtime>,
-    turns: Turns,
+    turns: ComponentSelection,
 }
 
 /// Memory of the master between Machine Startup and Machine Shutdown.
@@ -87,12 +87,23 @@ impl Kernel<'_> {
 
 impl Kernel<'_> {
     /// Takes the kernel apart by name, so that a new part of it is either carried on or begins again here.
-    fn into_carried(self) -> Carried {
+    fn into_carried(self) -> CarriedState {
         let events = self.channel.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
-        let Channel { env: _, at, block: _, text, context, scanner: _, acting: _, state, reports, burden, emitter: _ } =
-            channel;
-        let At {
+        let ChannelContext {
+            env: _,
+            at,
+            block: _,
+            text,
+            context,
+            scanner: _,
+            acting: _,
+            state,
+            reports,
+            burden,
+            emitter: _,
+        } = channel;
+        let ExecutionPoint {
             channel,
             clock,
             micro: _,
@@ -118,7 +129,7 @@ impl Kernel<'_> {
             swallowed: _,
             unit_named: _,
         } = reports;
-        Carried {
+        CarriedState {
             channel,
             clock,
             events,
@@ -137,7 +148,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn put_back(&mut self, carried: Carried) {
+    fn put_back(&mut self, carried: CarriedState) {
         let at = &mut self.channel.at;
         ([at.blocks, at.user_blocks, at.made_blocks], at.idle_blocks) = (carried.blocks, carried.idle_blocks);
         self.channel.reports.diagnostics = carried.diagnostics;
@@ -171,7 +182,7 @@ impl Kernel<'_> {
     }
 
     /// Takes over the earlier state of the kernel; from its end until now it was idle.
-    pub fn take_over(&mut self, carried: Carried) {
+    pub fn take_over(&mut self, carried: CarriedState) {
         let idle = self.channel.at.clock.saturating_sub(carried.clock);
         self.put_back(carried);
         if idle > 0 {
@@ -181,7 +192,7 @@ impl Kernel<'_> {
     }
 
     /// Begins another program. It counts as a block, so that a macro that restarts indefinitely comes to a limit.
-    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Arc<str>, reset: bool) -> Acted {
+    pub(crate) fn begin_again(&mut self, file: FileId, range: ProgramRange, name: Arc<str>, reset: bool) -> Acted {
         self.macros.course.closing = false;
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;

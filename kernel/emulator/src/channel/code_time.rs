@@ -5,14 +5,14 @@
 //! for, and the wait is shown as that function.
 
 use super::Kernel;
-use crate::state::Running;
+use crate::state::RunningFunction;
 use crate::state::at::nanoseconds;
-use counterpoint_event::event::{Function, Kind, MotionKind};
-use counterpoint_machine::rows::{CodeRow, Overlap};
+use counterpoint_event::event::{Kind, MotionKind, TimedFunction};
+use counterpoint_machine::rows::{CodeRow, TimeOverlap};
 use counterpoint_program::block::PendingCode;
 
 /// Where the functions that end with their block are kept, and those that end before the next move at feed.
-const SLOTS: [Overlap; 2] = [Overlap::Block, Overlap::Rapids];
+const SLOTS: [TimeOverlap; 2] = [TimeOverlap::Block, TimeOverlap::Rapids];
 
 impl Kernel<'_> {
     /// Time of a code from the machine's table.
@@ -20,22 +20,22 @@ impl Kernel<'_> {
         let ns = nanoseconds(row.seconds);
         let (letter, value) = (self.channel.env.machine.letter_of(&row.form), pending.value);
         if self.runs_beside(row.overlap, (letter, value), ns) {
-            self.channel.emit(0, Kind::Function(Function { letter, value }));
+            self.channel.emit(0, Kind::Function(TimedFunction { letter, value }));
             return;
         }
-        self.channel.emit(ns, Kind::Function(Function { letter, value }));
+        self.channel.emit(ns, Kind::Function(TimedFunction { letter, value }));
         self.channel.advance(ns);
     }
 
     /// Starts a function that takes its time beside other work; `false` if it takes its time alone.
-    pub(super) fn runs_beside(&mut self, overlap: Overlap, (letter, value): (char, f64), ns: i64) -> bool {
+    pub(super) fn runs_beside(&mut self, overlap: TimeOverlap, (letter, value): (char, f64), ns: i64) -> bool {
         let Some(slot) = SLOTS.iter().position(|slot| *slot == overlap) else { return false };
         self.channel.come_to_rest();
         let end_ns = self.channel.at.clock.saturating_add(ns);
         if let Some(slot) = self.channel.state.others.running.get_mut(slot)
             && slot.is_none_or(|running| running.end_ns <= end_ns)
         {
-            *slot = Some(Running { letter, value, end_ns });
+            *slot = Some(RunningFunction { letter, value, end_ns });
         }
         true
     }
@@ -61,8 +61,8 @@ impl Kernel<'_> {
         self.channel.come_to_rest();
         let left = running.end_ns - self.channel.at.clock;
         if left > 0 {
-            let Running { letter, value, .. } = running;
-            self.channel.emit(left, Kind::Function(Function { letter, value }));
+            let RunningFunction { letter, value, .. } = running;
+            self.channel.emit(left, Kind::Function(TimedFunction { letter, value }));
             self.channel.advance(left);
         }
     }

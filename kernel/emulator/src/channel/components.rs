@@ -7,18 +7,18 @@
 
 use std::sync::Arc;
 
-use counterpoint_dialect::Loops;
-use counterpoint_lang::compile::Program;
+use counterpoint_dialect::LoopStack;
+use counterpoint_lang::compile::MacroProgram;
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
 
 use super::dialect_state::DialectState;
-use super::plan::Plan;
+use super::plan::ExecutionPlan;
 use crate::macros::runtime::Runtime;
 
 /// A component, prepared.
 #[derive(Clone, Copy)]
-pub struct Component<'a> {
+pub struct PreparedComponent<'a> {
     /// The minor word by which macros name it.
     pub designator: &'a str,
     /// Its name in messages.
@@ -28,14 +28,14 @@ pub struct Component<'a> {
     /// Its definition.
     pub machine: &'a Machine,
     /// The definition, prepared.
-    pub plan: &'a Plan,
+    pub plan: &'a ExecutionPlan,
     /// Its macros as kernels run them.
-    pub macros: Option<&'a Arc<Program>>,
+    pub macros: Option<&'a Arc<MacroProgram>>,
 }
 
 /// Which component a channel works with.
 #[derive(Default)]
-pub(crate) struct Turns {
+pub(crate) struct ComponentSelection {
     /// Place of the active one; none on a machine that is not a composite.
     pub(crate) now: Option<usize>,
     /// Place of the previous component.
@@ -55,7 +55,7 @@ pub(crate) struct Resting {
     /// Its variables and its interpreter.
     pub(crate) dialect: DialectState,
     /// Loops that its programs were in.
-    pub(crate) loops: Loops,
+    pub(crate) loops: LoopStack,
     /// Subprograms that ran then, each with whether it has variables of its own.
     pub(crate) levels: Vec<bool>,
 }
@@ -63,15 +63,15 @@ pub(crate) struct Resting {
 /// The components of the machine, and the active one.
 #[derive(Default)]
 pub(crate) struct Components<'a> {
-    pub(crate) all: &'a [Component<'a>],
-    pub(crate) turns: Turns,
+    pub(crate) all: &'a [PreparedComponent<'a>],
+    pub(crate) turns: ComponentSelection,
 }
 
 impl<'a> Components<'a> {
     /// All of the machine, with the first component of a channel active.
-    pub(crate) fn of(all: &'a [Component<'a>], channel: u16) -> Self {
+    pub(crate) fn of(all: &'a [PreparedComponent<'a>], channel: u16) -> Self {
         let now = all.iter().position(|component| component.channels.contains(&channel));
-        Self { all, turns: Turns { now, ..Turns::default() } }
+        Self { all, turns: ComponentSelection { now, ..ComponentSelection::default() } }
     }
 
     /// Whether the machine is a composite.
@@ -80,19 +80,20 @@ impl<'a> Components<'a> {
     }
 
     /// The active one; none on a machine that is not a composite, and in its master.
-    pub(crate) fn current(&self) -> Option<&'a Component<'a>> {
+    pub(crate) fn current(&self) -> Option<&'a PreparedComponent<'a>> {
         self.turns.now.and_then(|now| self.all.get(now))
     }
 
     /// The previous component.
-    pub(crate) fn previous(&self) -> Option<&'a Component<'a>> {
+    pub(crate) fn previous(&self) -> Option<&'a PreparedComponent<'a>> {
         self.turns.before.and_then(|before| self.all.get(before))
     }
 
     /// Place of the component that a designator names in a channel.
     pub(crate) fn named(&self, designator: &str, channel: u16) -> Option<usize> {
-        let is =
-            |one: &Component<'_>| one.designator.eq_ignore_ascii_case(designator) && one.channels.contains(&channel);
+        let is = |one: &PreparedComponent<'_>| {
+            one.designator.eq_ignore_ascii_case(designator) && one.channels.contains(&channel)
+        };
         self.all.iter().position(is)
     }
 }

@@ -7,20 +7,20 @@
 //! operations before and after a barrier of both, so the data depend on simulated time alone.
 
 use counterpoint_event::event::Kind as Logged;
-use counterpoint_event::event::{Carried, Position, Primitive};
+use counterpoint_event::event::{CarriedMove, Position, Primitive};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_sync::shared::{Coupled, Stand};
+use counterpoint_sync::shared::{Coupled, CoupledPosition};
 use counterpoint_sync::wait::Wait;
 
 use super::Kernel;
-use crate::state::State;
+use crate::state::ChannelMemory;
 use crate::state::coupling::{Coupling, Parking, slots};
-use crate::state::position::Bounds;
-use crate::state::position::Place;
-use counterpoint_waits::coupling::{End, Kind, Pair};
+use crate::state::position::MotionState;
+use crate::state::position::TravelBounds;
+use counterpoint_waits::coupling::{CoupledAxis, CoupledPair, CouplingKind};
 
 /// Where two channels meet.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ pub(super) enum Meeting {
 
 /// An axis that a coupling has moved to another position, and the previous position of its channel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moved {
+pub(super) struct CoupledAxisMove {
     slot: AxisSlot,
     from: Position,
 }
@@ -53,7 +53,7 @@ impl Meeting {
 impl Kernel<'_> {
     /// Couples an axis of this channel with one of another channel. The same synchronous pair again only changes the
     /// parked axes.
-    pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
+    pub(crate) fn couple(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else {
             return Ok(());
@@ -68,7 +68,7 @@ impl Kernel<'_> {
         let sign = pair.sign(machine);
         let mut coupling =
             Coupling { pair, slot, slave: own == pair.slave, parking, stood, from: stood, meetings, own: None };
-        if pair.kind == Kind::Composite {
+        if pair.kind == CouplingKind::Composite {
             coupling.from = if machine.sync.composite_places { sign * theirs.place } else { stood };
             self.put(slot, coupling.from);
             let moves = (theirs.place, coupling.from, sign);
@@ -84,7 +84,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling of this channel together with the other channel.
-    pub(crate) fn end_coupling(&mut self, pair: Pair) -> Acted {
+    pub(crate) fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
         self.flush_lookahead()?;
         let theirs = self.meet_at(&pair, Meeting::Off, pair.wait(self.channel.env.machine, true))?;
         let moved = self.uncouple(&pair, theirs.by);
@@ -97,14 +97,14 @@ impl Kernel<'_> {
     }
 
     /// Two channels wait for each other, and let each other know where their axes are.
-    fn meet_at(&mut self, pair: &Pair, meeting: Meeting, wait: Wait) -> Result<Stand, Halt> {
+    fn meet_at(&mut self, pair: &CoupledPair, meeting: Meeting, wait: Wait) -> Result<CoupledPosition, Halt> {
         self.tell(pair, meeting)?;
         self.wait_plainly(wait)?;
         self.hear(pair, meeting)
     }
 
     /// Lets the other channel of a pair know where the own axis is.
-    pub(super) fn tell(&mut self, pair: &Pair, meeting: Meeting) -> Acted {
+    pub(super) fn tell(&mut self, pair: &CoupledPair, meeting: Meeting) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let stand = self.stand_of(pair, own);
         let key = key(own, other, meeting);
@@ -112,24 +112,24 @@ impl Kernel<'_> {
     }
 
     /// Takes over the data of the other channel of a pair.
-    pub(super) fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
-        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(Stand::default()) };
+    pub(super) fn hear(&mut self, pair: &CoupledPair, meeting: Meeting) -> Result<CoupledPosition, Halt> {
+        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(CoupledPosition::default()) };
         let key = key(other, own, meeting);
         self.shared(|order| order.shared.coupled.get(&key).copied().unwrap_or_default())
     }
 
     /// Position of the own axis of a pair, and the distance commanded since the coupling.
-    pub(super) fn stand_of(&self, pair: &Pair, own: End) -> Stand {
+    pub(super) fn stand_of(&self, pair: &CoupledPair, own: CoupledAxis) -> CoupledPosition {
         let layout = &self.channel.state.place.layout;
-        let Some(slot) = layout.axes.find(|axis| axis.machine == own.axis) else { return Stand::default() };
+        let Some(slot) = layout.axes.find(|axis| axis.machine == own.axis) else { return CoupledPosition::default() };
         let place = self.place_of(slot);
         let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
-        Stand { place, by: coupled.map_or(0.0, |coupling| place - coupling.from) }
+        CoupledPosition { place, by: coupled.map_or(0.0, |coupling| place - coupling.from) }
     }
 
     /// Ends a coupling here: the axis is where both channels have brought it. Returns the axis if that is another
     /// place.
-    pub(super) fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<Moved> {
+    pub(super) fn uncouple(&mut self, pair: &CoupledPair, theirs: f64) -> Option<CoupledAxisMove> {
         let couplings = &mut self.channel.state.others.couplings;
         let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
         let coupling = couplings.remove(at);
@@ -141,11 +141,13 @@ impl Kernel<'_> {
         self.hold_followers();
         let by = pair.sign(self.channel.env.machine) * theirs;
         let place = match (pair.kind, coupling.slave, coupling.parking) {
-            (Kind::Composite, ..) => coupling.stood + by,
-            (Kind::Synchronous, true, Parking::Slave) | (Kind::Synchronous, false, Parking::Master) => coupling.stood,
-            (Kind::Synchronous, true, _) => coupling.stood + by,
-            (Kind::Superimposed, true, _) => self.place_of(slot) + by,
-            (Kind::Synchronous | Kind::Superimposed, false, _) => return None,
+            (CouplingKind::Composite, ..) => coupling.stood + by,
+            (CouplingKind::Synchronous, true, Parking::Slave) | (CouplingKind::Synchronous, false, Parking::Master) => {
+                coupling.stood
+            }
+            (CouplingKind::Synchronous, true, _) => coupling.stood + by,
+            (CouplingKind::Superimposed, true, _) => self.place_of(slot) + by,
+            (CouplingKind::Synchronous | CouplingKind::Superimposed, false, _) => return None,
         };
         self.put(slot, place)
     }
@@ -157,7 +159,7 @@ impl Kernel<'_> {
     }
 
     /// Sets an axis to a position of the machine frame, geometry units. Returns it if the position has changed.
-    pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> Option<Moved> {
+    pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> Option<CoupledAxisMove> {
         let from = self.channel.state.place.position;
         let mut machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let (before, after) = (machine.at(slot), place / self.channel.state.place.layout.axes[slot].scale);
@@ -169,13 +171,13 @@ impl Kernel<'_> {
         if let Some(cutter) = self.channel.state.place.cutter() {
             *cutter.contour.at_mut(slot) += after - before;
         }
-        Some(Moved { slot, from })
+        Some(CoupledAxisMove { slot, from })
     }
 
     /// Another component of a composite machine works: its axes are coupled as before.
     pub(crate) fn keep_couplings(&mut self) {
         let (machine, channel) = (self.channel.env.machine, self.channel.at.channel);
-        let State { place, others, .. } = &mut self.channel.state;
+        let ChannelMemory { place, others, .. } = &mut self.channel.state;
         for coupling in &mut others.couplings {
             let (slot, other) = (coupling.slot, coupling.pair.of(channel).map(|(_, other)| other));
             if let Some(((own, moves), other)) = coupling.own.as_mut().zip(other) {
@@ -207,7 +209,7 @@ impl Kernel<'_> {
         }
     }
 
-    pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<Moved>) {
+    pub(super) fn log_coupling(&mut self, pair: &CoupledPair, what: &str, moved: Option<CoupledAxisMove>) {
         let machine = self.channel.env.machine;
         let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
         let position = &self.channel.state.place.position;
@@ -215,7 +217,7 @@ impl Kernel<'_> {
             format!(" {}={}", self.channel.axis_name(moved.slot), wildcard_text(position.at(moved.slot)))
         });
         // Composite control changes the coordinates of the program; nothing has moved.
-        let carried = moved.filter(|_| pair.kind != Kind::Composite).map(|moved| Carried {
+        let carried = moved.filter(|_| pair.kind != CouplingKind::Composite).map(|moved| CarriedMove {
             from: Box::new(moved.from),
             to: Box::new(*position),
             axes: format!("{slave} with {master}").into(),
@@ -236,7 +238,7 @@ impl Kernel<'_> {
             wait.primitive == Primitive::Barrier && ends.iter().all(|end| wait.parts.has(end.channel))
         };
         let met = self.channel.state.others.couplings.iter().filter(both);
-        let met: Vec<(Pair, bool)> = met.map(|coupling| (coupling.pair, coupling.follows())).collect();
+        let met: Vec<(CoupledPair, bool)> = met.map(|coupling| (coupling.pair, coupling.follows())).collect();
         for (pair, follows) in &met {
             if !follows {
                 self.tell(pair, Meeting::Between)?;
@@ -265,7 +267,7 @@ impl Kernel<'_> {
 
     /// The alarm for a code that an axis to which moves are added cannot have, if one of these is such an axis.
     pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
-        let added = |coupling: &Coupling| coupling.slave && coupling.pair.kind == Kind::Superimposed;
+        let added = |coupling: &Coupling| coupling.slave && coupling.pair.kind == CouplingKind::Superimposed;
         if moved & slots(&self.channel.state.others.couplings, added) == 0 {
             return Ok(());
         }
@@ -285,13 +287,13 @@ impl Kernel<'_> {
     }
 }
 
-pub(super) fn key(axis: End, with: End, meeting: Meeting) -> Coupled {
+pub(super) fn key(axis: CoupledAxis, with: CoupledAxis, meeting: Meeting) -> Coupled {
     Coupled { axis: axis.axis.index() as u16, with: with.axis.index() as u16, at: meeting.number() }
 }
 
-fn limits_changed(place: &mut Place) {
+fn limits_changed(place: &mut MotionState) {
     let stored = place.stored.as_deref().is_some_and(|area| area.on);
     let layout = &mut place.layout;
-    layout.bounds.nearness = Bounds::nearness(&layout.axes);
+    layout.bounds.nearness = TravelBounds::nearness(&layout.axes);
     layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
 }

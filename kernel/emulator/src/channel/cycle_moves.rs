@@ -5,9 +5,9 @@
 //! do all blocks of a cycle while a macro, a trace, a frame or another active code could make a difference.
 
 use super::Kernel;
-use super::plan::{RECALLED, Source};
+use super::plan::{DataSource, RECALLED};
 use crate::state::modal::{feed_of, group};
-use counterpoint_dialect::{CycleWord, MadeWord, Words};
+use counterpoint_dialect::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault::Halt;
 use counterpoint_machine::ident::dimension::Dimension;
@@ -16,7 +16,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot, CodeRowId, RegisterId};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::{CodeRow, Modality};
 use counterpoint_program::block::irregular;
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
 /// Maximum number of kept blocks; cycles have few different blocks.
 const MOST: usize = 16;
@@ -256,12 +256,12 @@ fn is_never_refused(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> bool {
 /// The value of a word as an action would read it; none if this takes more than a factor.
 fn direct_value(kernel: &Kernel<'_>, id: DataId, word: &MadeWord) -> Option<DirectValue> {
     let [source] = kernel.plan.sources_of(id) else { return None };
-    let Source { register, mul, add, min, max, dimension, modal, .. } = *source;
+    let DataSource { register, mul, add, min, max, dimension, modal, .. } = *source;
     let plain = register == word.register && source.one.is_none() && !source.diameter_x;
     if !plain || dimension == Dimension::Increments || word.value < min || word.value > max {
         return None;
     }
-    let number = Number { value: word.value, point: true, digits: 0, fraction: 0 };
+    let number = WrittenNumber { value: word.value, point: true, digits: 0, fraction: 0 };
     let (_, bits) = kernel.plan.scanner.reading(register, number, kernel.channel.state.secondary);
     if bits & !irregular::POINT != 0 {
         return None;

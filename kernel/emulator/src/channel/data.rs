@@ -5,16 +5,16 @@
 use counterpoint_machine::Machine;
 
 use super::Kernel;
-use super::plan::{RECALLED, Source};
+use super::plan::{DataSource, RECALLED};
 use crate::state::channel::Handed;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
-use counterpoint_machine::rows::Point;
-use counterpoint_program::block::{Datum, Word};
+use counterpoint_machine::rows::DecimalPointRule;
+use counterpoint_program::block::{RetrievedValue, Word};
 
 /// Reasons why nothing may take a value of the block.
 const NOT_PROCESSED: &str = "its row is not processed";
@@ -23,7 +23,7 @@ const SWITCHED_OFF: &str = "its rows are switched off";
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
-    pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
+    pub(crate) fn take(&mut self, id: DataId) -> Option<RetrievedValue> {
         if let Some(hooks) = self.plan.hooks {
             return (hooks.codes.take)(self, id);
         }
@@ -38,7 +38,7 @@ impl Kernel<'_> {
 
     /// Takes the value that the code in action hands over.
     #[cold]
-    fn take_handed(&mut self) -> Option<Datum> {
+    fn take_handed(&mut self) -> Option<RetrievedValue> {
         let handed = self.channel.acting.as_data.take()?;
         if self.refuse_handed(handed) {
             return None;
@@ -49,7 +49,7 @@ impl Kernel<'_> {
             self.channel.state.remembered.remember(handed.id, value);
         }
         self.trace_data(handed.id, value);
-        Some(Datum { value, incremental: false, absolute: false, raw: handed.raw })
+        Some(RetrievedValue { value, incremental: false, absolute: false, raw: handed.raw })
     }
 
     /// A value handed over by its row: value, factor of its unit, whether it is remembered. Reports a value outside the
@@ -77,7 +77,7 @@ impl Kernel<'_> {
     }
 
     /// One of the registers of `id` is in the block.
-    fn take_word(&mut self, id: DataId) -> Option<Datum> {
+    fn take_word(&mut self, id: DataId) -> Option<RetrievedValue> {
         let plan = self.plan;
         for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
@@ -97,21 +97,21 @@ impl Kernel<'_> {
                 self.channel.state.remembered.remember(id, value);
             }
             self.trace_data(id, value);
-            return Some(Datum { value, incremental, absolute: false, raw });
+            return Some(RetrievedValue { value, incremental, absolute: false, raw });
         }
         if self.refuse(id) { None } else { self.recall(id) }
     }
 
     /// Length of a word that counts least increments.
     #[cold]
-    fn counted(&self, source: &Source, word: &Word, raw: f64) -> f64 {
+    fn counted(&self, source: &DataSource, word: &Word, raw: f64) -> f64 {
         let (value, dimension) = self.scaled(source, word, raw);
         value * self.channel.unit_factor(dimension)
     }
 
     /// Number of a word for a row that does not count the last digit of its register.
     #[cold]
-    pub(crate) fn plain(&self, source: &Source, word: &Word) -> f64 {
+    pub(crate) fn plain(&self, source: &DataSource, word: &Word) -> f64 {
         let register = &self.channel.env.machine.registers[word.register];
         let format = if self.channel.state.secondary { register.secondary } else { register.format };
         let text = self.channel.word_bytes(word);
@@ -123,7 +123,7 @@ impl Kernel<'_> {
             return word.value;
         }
         let written = match format.point {
-            Point::Omit => (word.value * 10_f64.powi(i32::from(format.frac))).round(),
+            DecimalPointRule::Omit => (word.value * 10_f64.powi(i32::from(format.frac))).round(),
             _ => word.value,
         };
         let [primary, secondary] = source.one.unwrap_or([1.0; 2]);
@@ -152,12 +152,12 @@ impl Kernel<'_> {
     }
 
     /// Number of a word, before the factor of a row.
-    pub(crate) fn raw(&self, source: &Source, word: &Word) -> f64 {
+    pub(crate) fn raw(&self, source: &DataSource, word: &Word) -> f64 {
         if source.one.is_some() { self.plain(source, word) } else { word.value }
     }
 
     /// Value of a number of a word with the factor of its row, in the unit of the program, and its dimension.
-    pub(crate) fn scaled(&self, source: &Source, word: &Word, raw: f64) -> (f64, Dimension) {
+    pub(crate) fn scaled(&self, source: &DataSource, word: &Word, raw: f64) -> (f64, Dimension) {
         let (increments, dimension) = match source.dimension {
             Dimension::Increments => self.counting(word),
             other => (1.0, other),
@@ -172,17 +172,17 @@ impl Kernel<'_> {
         let pointed = self.channel.word_bytes(word).contains(&b'.');
         match (pointed, self.channel.env.machine.unit) {
             (false, _) => (1.0, Dimension::Increments),
-            (true, Unit::Mm) => (1000.0, Dimension::Length),
-            (true, Unit::Inch) => (10_000.0, Dimension::Length),
+            (true, MachineUnit::Mm) => (1000.0, Dimension::Length),
+            (true, MachineUnit::Inch) => (10_000.0, Dimension::Length),
         }
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
-    pub(crate) fn recall(&self, id: DataId) -> Option<Datum> {
+    pub(crate) fn recall(&self, id: DataId) -> Option<RetrievedValue> {
         let modal = self.plan.data.recall.as_ref()?[id];
         let value = self.channel.state.remembered.value(id).filter(|_| modal)?;
-        Some(Datum { value, incremental: false, absolute: false, raw: value })
+        Some(RetrievedValue { value, incremental: false, absolute: false, raw: value })
     }
 
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.

@@ -7,15 +7,15 @@
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_motion::driven_speed::{DrivenSpeed, Progress};
-use counterpoint_sync::races::Mode;
-use counterpoint_sync::shared::{Command, Course};
+use counterpoint_motion::driven_speed::{DrivenSpeed, RadiusProgress};
+use counterpoint_sync::races::AccessMode;
+use counterpoint_sync::shared::{DrivingMove, SpindleCommand};
 use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
 use super::access::Door;
 use crate::state::at::nanoseconds;
-use crate::state::spindle::Turning;
+use crate::state::spindle::SpindleRotation;
 
 /// Changes of the speed by less than this share do not count.
 const STEADY: f64 = 0.01;
@@ -42,12 +42,12 @@ impl Kernel<'_> {
         let speed =
             self.channel.state.spindle.surface_speed(self.channel.env.machine, self.channel.state.secondary, &command);
         let by_revolution = motion.feed_unit == FeedUnit::PerRevolution;
-        let progress = if by_revolution { Progress::ByRevolution } else { Progress::ByTime };
+        let progress = if by_revolution { RadiusProgress::ByRevolution } else { RadiusProgress::ByTime };
         let (begin, minutes) = (self.channel.now(), seconds / 60.0);
         let time = [begin, begin.saturating_add(nanoseconds(seconds))];
-        let course = Course { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
+        let course = DrivingMove { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
         let [first, last] = radii.map(|radius| speed.rpm(radius));
-        let shared = self.access(Door::Spindle, Mode::Write, |shared| {
+        let shared = self.access(Door::Spindle, AccessMode::Write, |shared| {
             // Another channel may have commanded the spindle meanwhile.
             let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command)?;
             (spindle.course, spindle.now) = (Some(course), last);
@@ -80,7 +80,7 @@ impl Kernel<'_> {
         if rpm != known {
             self.channel.state.spindle.now = rpm;
             let (now, channel) = (self.channel.now(), self.channel.at.channel);
-            self.access(Door::Spindle, Mode::Write, |shared| {
+            self.access(Door::Spindle, AccessMode::Write, |shared| {
                 if let Some(spindle) = shared.spindles.get_mut(id.index()) {
                     (spindle.course, spindle.now) = (None, rpm);
                     if (rpm - known).abs() > STEADY * known {
@@ -95,9 +95,9 @@ impl Kernel<'_> {
     /// How the spindle turns during a time by revolutions that starts now, `None` when it is stopped. Unless this
     /// channel drives the spindle, it looks after all commands and moves that other channels begin at this instant, so
     /// the time does not depend on the numbers of the channels.
-    pub(crate) fn speed_from_now(&mut self) -> Result<Option<Turning>, diag::Halt> {
+    pub(crate) fn speed_from_now(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
         let drives = |kernel: &Self| {
-            let Command { css, driver, .. } = kernel.channel.state.spindle.command;
+            let SpindleCommand { css, driver, .. } = kernel.channel.state.spindle.command;
             css && driver == kernel.channel.at.channel
         };
         if !self.channel.state.spindle.shared {
@@ -120,7 +120,7 @@ impl Kernel<'_> {
     }
 
     /// The same for a cut. In balance cutting it first waits for the cut of the other channel.
-    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<Turning>, diag::Halt> {
+    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
         if self.channel.state.others.balance.is_some() {
             self.pair_cut(MotionKind::Linear)?;
         }

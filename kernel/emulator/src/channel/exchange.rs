@@ -9,11 +9,11 @@ use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::{AxisId, AxisSlot, BySlot};
-use counterpoint_sync::Moved;
-use counterpoint_sync::wait::{Act, Wait};
+use counterpoint_sync::LastAxisMove;
+use counterpoint_sync::wait::{Wait, WaitOp};
 
 use super::Kernel;
-use crate::state::position::Place;
+use crate::state::position::MotionState;
 use counterpoint_waits::Meaning;
 use counterpoint_waits::leases::{self, Leased, of_axis};
 
@@ -35,7 +35,7 @@ impl Kernel<'_> {
             (Leased::Own, _) => return Ok(()),
             (_, Meaning::Wait(wait)) if alone => self.take_lease(wait)?,
             (_, Meaning::Wait(wait)) => self.wait(wait)?,
-            (_, Meaning::Act(Act::Take(_), wait)) => self.take_lease(wait)?,
+            (_, Meaning::Act(WaitOp::Take(_), wait)) => self.take_lease(wait)?,
             (_, Meaning::Act(act, wait)) => return self.let_continue(act, wait),
         }
         if let Leased::Axis(axis) = leased { self.find_moved(axis) } else { Ok(()) }
@@ -77,7 +77,7 @@ impl Kernel<'_> {
             }
             self.follower_moved(slot.bit())?;
             let axis = self.channel.state.place.layout.axes[slot].machine;
-            let moved = Moved { to: to.at(slot), end_ns, by: channel };
+            let moved = LastAxisMove { to: to.at(slot), end_ns, by: channel };
             if let Err(holder) = self.shared(|order| order.waits.moves(channel, of_axis(axis), moved))? {
                 return Err(self.not_held(axis, holder));
             }
@@ -136,7 +136,7 @@ fn moves(motion: &Motion, slot: AxisSlot) -> bool {
 /// Whether a move concerns an axis that channels exchange.
 #[cold]
 #[inline(never)]
-pub(super) fn moves_exchanged(place: &Place, motion: &Motion) -> bool {
+pub(super) fn moves_exchanged(place: &MotionState, motion: &Motion) -> bool {
     let layout = &place.layout;
     layout.axes.ids().any(|slot| layout.exchanged & slot.bit() != 0 && moves(motion, slot))
 }

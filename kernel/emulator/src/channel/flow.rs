@@ -6,25 +6,25 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::custom_macro::{By, CodeMacro, ModalCalls, WordKind};
+use super::custom_macro::{CallingWord, CodeMacro, ModalCalls, WordKind};
 use super::known_blocks::KnownBlocks;
-use super::passes::Passes;
+use super::passes::LoopTracker;
 use super::search::Labels;
-use crate::state::figure::Figure;
+use crate::state::figure::CopiedFigure;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect as dialect;
-use counterpoint_event::event::{FileId, Position, SourcePlace, Stop};
+use counterpoint_event::event::{FileId, Position, SourcePlace, StopCode};
 use counterpoint_motion::turning::strip::Strip;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 /// One running program text.
 #[derive(Debug, Clone)]
-pub(crate) struct Frame {
+pub(crate) struct RunningProgram {
     pub(crate) file: FileId,
     /// Where the user's program called it, if the text is a resident program.
     pub(crate) caller: SourcePlace,
-    pub(crate) range: Range,
+    pub(crate) range: ProgramRange,
     /// Next line to read.
     pub(crate) next: u32,
     /// Byte in that line where the next block begins; above 0 after a character that ends blocks.
@@ -36,7 +36,7 @@ pub(crate) struct Frame {
     /// It has variables of its own (a macro call).
     pub(crate) own_variables: bool,
     /// The callee.
-    pub(crate) called: Called,
+    pub(crate) called: CallRecord,
     /// The modal call that called it.
     pub(crate) modal: Option<usize>,
     /// Kind of the word that called it; a call of another form has none.
@@ -46,7 +46,7 @@ pub(crate) struct Frame {
     /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
     pub(crate) back: Option<Box<(Position, u8)>>,
     /// Each pass is a copy of the figure.
-    pub(crate) figure: Option<Box<Figure>>,
+    pub(crate) figure: Option<Box<CopiedFigure>>,
 }
 
 /// The next step after the current block.
@@ -61,14 +61,14 @@ pub(crate) enum Pending {
         /// Arguments of a macro call by variable number.
         arguments: Option<Vec<(u8, f64)>>,
         /// The word that calls, if it does so by itself.
-        by: Option<Box<By>>,
+        by: Option<Box<CallingWord>>,
     },
     /// Call a program whose passes are copies of a figure.
     Figure {
         program: u32,
         /// Passes, at least 1.
         passes: u32,
-        figure: Box<Figure>,
+        figure: Box<CopiedFigure>,
     },
     /// Call the blocks from one sequence number or label to another.
     CallRange {
@@ -78,11 +78,11 @@ pub(crate) enum Pending {
         passes: u32,
     },
     /// Call a text that the pre-processor has found.
-    CallText(Box<dialect::Call>),
+    CallText(Box<dialect::SubprogramCall>),
     /// A cycle along contour blocks of the program.
     Contour(Box<ContourCycle>),
     /// Run a text whose moves are a contour.
-    ReadContour(Box<dialect::Call>),
+    ReadContour(Box<dialect::SubprogramCall>),
     /// Remove stock along the contour that was read.
     Strip(Box<Strip>),
     /// Pass the data blocks that follow.
@@ -90,7 +90,7 @@ pub(crate) enum Pending {
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
     /// End of the program.
-    End(Stop),
+    End(StopCode),
 }
 
 impl Pending {
@@ -111,8 +111,8 @@ pub(crate) struct Printing {
 
 /// Program flow of a channel.
 #[derive(Debug, Default)]
-pub(crate) struct Flow {
-    pub(crate) frames: Vec<Frame>,
+pub(crate) struct ProgramFlow {
+    pub(crate) frames: Vec<RunningProgram>,
     pub(crate) pending: Option<Pending>,
     /// The macro that a code of the block calls.
     pub(crate) code_macro: Option<Box<CodeMacro>>,
@@ -120,7 +120,7 @@ pub(crate) struct Flow {
     pub(crate) modal: ModalCalls,
     /// The pre-processor of another control calls after blocks that move.
     pub(crate) modal_text: bool,
-    pub(crate) pass: Passes,
+    pub(crate) pass: LoopTracker,
     /// Steps go over all blocks while at least this number of programs run; none if no program hides its blocks.
     pub(crate) hidden_from: Option<usize>,
     /// The program has jumped back or called, so a line may run again.
@@ -128,10 +128,10 @@ pub(crate) struct Flow {
     /// Printing statements.
     pub(crate) printing: Printing,
     /// Loops that the programs are in.
-    pub(crate) loops: dialect::Loops,
+    pub(crate) loops: dialect::LoopStack,
     /// Byte at which the block being processed begins in its line.
     pub(crate) offset: u32,
-    pub(crate) known: Known,
+    pub(crate) known: FlowCache,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been reported, by file and line.
@@ -142,11 +142,11 @@ pub(crate) struct Flow {
 
 /// Data derived from programs, kept for the next time.
 #[derive(Debug, Default)]
-pub(crate) struct Known {
+pub(crate) struct FlowCache {
     /// Names of programs that were called by number.
-    pub(crate) names: Names,
+    pub(crate) names: ProgramNameCache,
     /// Where programs that were called by number are.
-    pub(crate) programs: Programs,
+    pub(crate) programs: ProgramLocationCache,
     /// Blocks that only lead on.
     pub(crate) blocks: KnownBlocks,
     /// Lines of labels by file and label.
@@ -157,9 +157,9 @@ pub(crate) struct Known {
 
 /// Names of programs by number, as events have them: those that were called last.
 #[derive(Debug, Default)]
-pub(crate) struct Names([Option<(u32, Arc<str>)>; 8]);
+pub(crate) struct ProgramNameCache([Option<(u32, Arc<str>)>; 8]);
 
-impl Names {
+impl ProgramNameCache {
     /// The name of a program.
     pub(crate) fn of(&mut self, number: u32) -> Arc<str> {
         let name = || Arc::from(format!("O{number:04}"));
@@ -179,17 +179,17 @@ pub(crate) type Wanted = (u32, FileId, FileId);
 ///
 /// *Invariant:* the texts of a job do not change, so a program that was found stays where it is.
 #[derive(Debug, Default)]
-pub(crate) struct Programs([Option<(Wanted, (FileId, Range))>; 8]);
+pub(crate) struct ProgramLocationCache([Option<(Wanted, (FileId, ProgramRange))>; 8]);
 
-impl Programs {
+impl ProgramLocationCache {
     /// Where a program was found.
-    pub(crate) fn get(&self, wanted: Wanted) -> Option<(FileId, Range)> {
+    pub(crate) fn get(&self, wanted: Wanted) -> Option<(FileId, ProgramRange)> {
         let (known, found) = (*self.0.get(wanted.0 as usize % self.0.len())?)?;
         (known == wanted).then_some(found)
     }
 
     /// Keeps where a program is.
-    pub(crate) fn keep(&mut self, wanted: Wanted, found: (FileId, Range)) {
+    pub(crate) fn keep(&mut self, wanted: Wanted, found: (FileId, ProgramRange)) {
         let place = wanted.0 as usize % self.0.len();
         if let Some(slot) = self.0.get_mut(place) {
             *slot = Some((wanted, found));
@@ -197,9 +197,9 @@ impl Programs {
     }
 }
 
-impl Flow {
+impl ProgramFlow {
     /// The frame being executed.
-    pub(crate) fn frame(&mut self) -> Option<&mut Frame> {
+    pub(crate) fn frame(&mut self) -> Option<&mut RunningProgram> {
         self.frames.last_mut()
     }
 
@@ -220,14 +220,14 @@ impl Flow {
     }
 }
 
-impl Frame {
+impl RunningProgram {
     /// The block to read next.
-    pub(crate) fn next_block(&self) -> Spot {
-        Spot { line: self.next, offset: self.offset }
+    pub(crate) fn next_block(&self) -> BlockStart {
+        BlockStart { line: self.next, offset: self.offset }
     }
 
     /// A text from its first block on, once, as the main program.
-    pub(crate) fn main(file: FileId, range: Range, name: Arc<str>) -> Self {
+    pub(crate) fn main(file: FileId, range: ProgramRange, name: Arc<str>) -> Self {
         Self {
             file,
             caller: SourcePlace::NONE,
@@ -238,7 +238,7 @@ impl Frame {
             closes: false,
             own_variables: false,
             modal: None,
-            called: Called { what: Callee::Program(0), passes: 1, block: None },
+            called: CallRecord { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,
             back: None,
@@ -249,7 +249,7 @@ impl Frame {
 
 /// The callee, and its total passes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Called {
+pub(crate) struct CallRecord {
     pub(crate) what: Callee,
     pub(crate) passes: u32,
     /// The block that calls, on a kernel with macros.

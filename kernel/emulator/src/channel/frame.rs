@@ -4,8 +4,8 @@
 
 use super::Kernel;
 use crate::state::clamps::Modulo;
-use crate::state::frames::offsets::Table;
-use counterpoint_event::event::{Frame, Kind, MAX_AXES, Position};
+use crate::state::frames::offsets::OffsetTable;
+use counterpoint_event::event::{FrameShift, Kind, MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
@@ -18,12 +18,12 @@ impl Kernel<'_> {
         }
         if self.channel.state.place.shift != [0.0; MAX_AXES] {
             let shift = Box::new(self.channel.state.place.shift);
-            self.channel.emit(0, Kind::Frame(Frame { shift }));
+            self.channel.emit(0, Kind::Frame(FrameShift { shift }));
         }
     }
 
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
-    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+    pub(crate) fn set_offset(&mut self, table: OffsetTable, number: u32, values: Position) -> bool {
         self.channel.hold_length(table, number);
         let stored = self.channel.state.place.offsets.get_or_insert_default().store(table, number, values);
         if stored {
@@ -84,7 +84,7 @@ impl Kernel<'_> {
             self.channel.state.place.shift = wanted;
         }
         self.channel.state.place.keep_ways(before);
-        self.channel.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
+        self.channel.emit(0, Kind::Frame(FrameShift { shift: Box::new(wanted) }));
     }
 
     /// Resets the transformations between program and axes to those at the start of a job, except for offsets; the

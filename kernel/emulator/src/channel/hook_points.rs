@@ -6,16 +6,16 @@
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use super::flow::Called;
+use super::flow::CallRecord;
 use counterpoint_event::event::{FileId, Motion};
 use counterpoint_machine::ident::{CodeId, DataId};
-use counterpoint_program::block::Datum;
 use counterpoint_program::block::PendingCode;
-use counterpoint_program::shape::Range;
+use counterpoint_program::block::RetrievedValue;
+use counterpoint_program::shape::ProgramRange;
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Origin {
+pub(crate) enum BlockOrigin {
     /// Its text.
     Text,
     /// EXEC with identifiers.
@@ -24,7 +24,7 @@ pub(crate) enum Origin {
 
 /// Treatment of a block after it has been edited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Edited {
+pub(crate) enum BlockTreatment {
     /// Nothing is left of it.
     Dropped,
     /// It is split into words without the pre-processor.
@@ -34,7 +34,7 @@ pub(crate) enum Edited {
 }
 
 /// Where a called subprogram is, if anywhere.
-pub(crate) type Found = Option<(FileId, Range)>;
+pub(crate) type Found = Option<(FileId, ProgramRange)>;
 
 /// All points.
 pub struct HookPoints {
@@ -54,7 +54,7 @@ pub(crate) struct BlockHooks {
     /// A line of a file becomes the block.
     pub(crate) begin: fn(&mut Kernel<'_>),
     /// Block delete around embedded code, embedded code, Pre-Processor Startup.
-    pub(crate) edit: fn(&mut Kernel<'_>) -> Result<Edited, Halt>,
+    pub(crate) edit: fn(&mut Kernel<'_>) -> Result<BlockTreatment, Halt>,
     /// Pre-Processor Shutdown.
     pub(crate) preprocessed: fn(&mut Kernel<'_>) -> Acted,
     /// Pre-Processor Shutdown for words that the pre-processor made.
@@ -74,7 +74,7 @@ pub(crate) struct BlockHooks {
 /// Around the codes and data of a block.
 pub(crate) struct CodeHooks {
     /// Sequence numbers and data of the block that macros can ask for.
-    pub(crate) begin: fn(&mut Kernel<'_>, Origin),
+    pub(crate) begin: fn(&mut Kernel<'_>, BlockOrigin),
     /// Codes that data fire.
     pub(crate) implied: fn(&mut Kernel<'_>),
     /// Lets a code act: its macro, otherwise its action.
@@ -82,9 +82,9 @@ pub(crate) struct CodeHooks {
     /// A code has acted.
     pub(crate) acted: fn(&mut Kernel<'_>) -> Acted,
     /// Takes data off the block.
-    pub(crate) take: fn(&mut Kernel<'_>, DataId) -> Option<Datum>,
+    pub(crate) take: fn(&mut Kernel<'_>, DataId) -> Option<RetrievedValue>,
     /// Block Shutdown.
-    pub(crate) end: fn(&mut Kernel<'_>, Origin) -> Acted,
+    pub(crate) end: fn(&mut Kernel<'_>, BlockOrigin) -> Acted,
     /// Data that macros added and nothing took.
     pub(crate) dropped: fn(&mut Kernel<'_>) -> Acted,
 }
@@ -95,9 +95,9 @@ pub(crate) struct ProgramHooks {
     pub(crate) start: fn(&mut Kernel<'_>) -> Acted,
     /// Subprogram Startup for the first pass, at a level: none if the call is ignored, otherwise where the subprogram
     /// is.
-    pub(crate) call: fn(&mut Kernel<'_>, &Called, Found) -> Result<Option<Found>, Halt>,
+    pub(crate) call: fn(&mut Kernel<'_>, &CallRecord, Found) -> Result<Option<Found>, Halt>,
     /// Subprogram Shutdown and Startup between two passes.
     pub(crate) next_pass: fn(&mut Kernel<'_>) -> Acted,
     /// Subprogram Shutdown after the last pass.
-    pub(crate) returned: fn(&mut Kernel<'_>, &Called, (FileId, Range)) -> Acted,
+    pub(crate) returned: fn(&mut Kernel<'_>, &CallRecord, (FileId, ProgramRange)) -> Acted,
 }

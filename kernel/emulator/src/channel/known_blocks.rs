@@ -7,7 +7,7 @@
 //! beside a contour).
 
 use super::Kernel;
-use super::actions::Actions;
+use super::actions::ActionTable;
 use super::flow::{Callee, Pending};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::data;
@@ -32,7 +32,7 @@ enum Leads {
 pub(crate) struct KnownBlock {
     line: (FileId, u32),
     /// Actions of the codes when the block was kept.
-    actions: &'static Actions,
+    actions: &'static ActionTable,
     leads: Leads,
     sequence: Option<u32>,
 }

@@ -8,10 +8,10 @@ use std::sync::Arc;
 use super::Kernel;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::number::{rounded, written};
-use counterpoint_machine::rows::Point;
+use counterpoint_machine::rows::DecimalPointRule;
 use counterpoint_program::block::{Block, Word, irregular};
 use counterpoint_program::block_list::BlockList;
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
 /// The words that an interpreter leaves, beside those of the block.
 #[derive(Debug, Default)]
@@ -72,12 +72,12 @@ impl Kernel<'_> {
         let number = spelled.and_then(|text| plan.scanner.reading_of(register, text.as_bytes(), secondary));
         let (read, bits) = number.unwrap_or_else(|| {
             let value = rounded(value, format);
-            let number = Number { value, point: true, digits: 0, fraction: 0 };
+            let number = WrittenNumber { value, point: true, digits: 0, fraction: 0 };
             let (value, bits) = plan.scanner.reading(register, number, secondary);
             let pointed = match format.point {
-                Point::Keep => format.frac > 0,
-                Point::Fractional => value.fract() != 0.0,
-                Point::Omit => false,
+                DecimalPointRule::Keep => format.frac > 0,
+                DecimalPointRule::Fractional => value.fract() != 0.0,
+                DecimalPointRule::Omit => false,
             };
             (value, if pointed { bits } else { bits & !irregular::POINT })
         });

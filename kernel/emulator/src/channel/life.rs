@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use super::Kernel;
 use super::carried::Lived;
-use super::flow::Frame;
-use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
-use counterpoint_fault::{self as diag, Facts};
+use super::flow::RunningProgram;
+use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Phase, Verdict, VerdictKind, VerdictMember};
+use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::data;
-use counterpoint_ports::control::{Limit, State};
-use counterpoint_program::shape::Range;
+use counterpoint_ports::control::{ChannelActivity, Limit};
+use counterpoint_program::shape::ProgramRange;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::verdict;
@@ -30,19 +30,19 @@ struct Ending {
     idle: bool,
 }
 
-fn terminal(halt: Halt) -> (Terminal, Phase, State) {
+fn terminal(halt: Halt) -> (Terminal, Phase, ChannelActivity) {
     match halt {
-        Halt::ProgramEnd(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
-        Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
-        Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
-        Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
+        Halt::ProgramEnd(_) => (Terminal::Ended, Phase::ProgramEnd, ChannelActivity::Ended),
+        Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, ChannelActivity::Alarmed),
+        Halt::Stopped => (Terminal::Stopped, Phase::Stopped, ChannelActivity::Stopped),
+        Halt::Blocked => (Terminal::Stopped, Phase::Blocked, ChannelActivity::Blocked),
     }
 }
 
 impl Kernel<'_> {
     /// Runs the channel until its program has ended and no other channel can start it again. `again` restarts it with
     /// another file, with (`true`) or without resetting modal state. Without a program it waits for a start.
-    pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
+    pub fn live(mut self, start: Option<(FileId, ProgramRange, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
         let mut ending =
             Ending { halt: Halt::ProgramEnd(None), ended: Some(self.channel.tag()), idle: start.is_none() };
@@ -62,9 +62,9 @@ impl Kernel<'_> {
     }
 
     /// Runs a program.
-    fn run(&mut self, start: (FileId, Range, Arc<str>), again: Option<bool>) -> Ending {
+    fn run(&mut self, start: (FileId, ProgramRange, Arc<str>), again: Option<bool>) -> Ending {
         let (file, range, name) = start;
-        self.ports.progress.set_state(State::Running);
+        self.ports.progress.set_state(ChannelActivity::Running);
         self.channel.at.go_to(BlockPlace { file, line: 0, caller: SourcePlace::NONE });
         self.channel.emit(0, Kind::Lifecycle(Phase::ProgramStart));
         let begun = match again {
@@ -92,7 +92,7 @@ impl Kernel<'_> {
     }
 
     /// Waits until another channel starts a program here; none if no channel can do so any more.
-    fn wait_for_start(&mut self) -> Option<(FileId, Range, Arc<str>)> {
+    fn wait_for_start(&mut self) -> Option<(FileId, ProgramRange, Arc<str>)> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
         let wake = coordinator.wait(channel, self, |kernel| kernel.channel.flush());
         self.ports.control.disturb(channel);
@@ -114,13 +114,13 @@ impl Kernel<'_> {
             self.channel.reset_feed_group();
             self.initial_codes();
         }
-        let range = Range { number: None, first: program.lines.0, last: program.lines.1 };
+        let range = ProgramRange { number: None, first: program.lines.0, last: program.lines.1 };
         Some((program.file, range, (*program.name).into()))
     }
 
-    fn begin(&mut self, file: FileId, range: Range, name: Arc<str>) -> Acted {
+    fn begin(&mut self, file: FileId, range: ProgramRange, name: Arc<str>) -> Acted {
         let again = !self.flow.frames.is_empty();
-        self.flow.frames.push(Frame::main(file, range, name));
+        self.flow.frames.push(RunningProgram::main(file, range, name));
         self.initial_codes();
         if again {
             self.reframe();
@@ -196,7 +196,7 @@ impl Kernel<'_> {
 
     /// Logs a verdict as an event of the master, with its diagnostic.
     pub(crate) fn emit_verdict(&mut self, verdict: Verdict) {
-        let facts: &Facts = match verdict.kind {
+        let facts: &DiagnosticFacts = match verdict.kind {
             VerdictKind::Limit => &diag::LIMIT_REACHED,
             _ => &diag::DEADLOCK,
         };
@@ -296,7 +296,7 @@ impl Kernel<'_> {
             let mut members = Vec::new();
             for channel in order.waits.places.channels() {
                 if channel == own_channel {
-                    members.push(Member { channel, file, line, waiting_for: Vec::new() });
+                    members.push(VerdictMember { channel, file, line, waiting_for: Vec::new() });
                 } else if let Some((sentence, member)) = order.polling(channel, info) {
                     sentences.push(sentence);
                     members.push(member);

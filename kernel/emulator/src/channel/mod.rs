@@ -55,20 +55,20 @@ mod wait;
 
 use components::Components;
 use counterpoint_fault::Halt;
-use counterpoint_lang::pattern::Memory;
+use counterpoint_lang::pattern::SearchMemory;
 use dialect_state::DialectState;
-use flow::Flow;
+use flow::ProgramFlow;
 use parts::{Ports, Setup};
-use plan::Plan;
+use plan::ExecutionPlan;
 
 use crate::macros::runtime::Runtime;
-use crate::state::State;
-use crate::state::at::At;
+use crate::state::ChannelMemory;
+use crate::state::at::ExecutionPoint;
 use crate::state::burden::Burden;
-use crate::state::channel::{Acting, BlockText, Channel, Reports};
+use crate::state::channel::{Acting, BlockText, ChannelContext, Reports};
 use crate::state::context::BlockContext;
 use crate::state::emitter::Emitter;
-use crate::state::pace::Pace;
+use crate::state::pace::FeedPlanner;
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
 use counterpoint_sync::order::Order;
@@ -78,11 +78,11 @@ use counterpoint_waits::rules;
 /// The kernel of one channel.
 pub struct Kernel<'a> {
     /// The view of actions: the block, the position of the kernel, its memory.
-    pub channel: Channel<'a>,
+    pub channel: ChannelContext<'a>,
     /// The paths out of the kernel.
     pub ports: Ports<'a>,
-    pub(crate) plan: &'a Plan,
-    pub(crate) flow: Flow,
+    pub(crate) plan: &'a ExecutionPlan,
+    pub(crate) flow: ProgramFlow,
     pub(crate) dialect: DialectState,
     /// The memory of the macros of the machine; empty without any.
     pub macros: Box<Runtime>,
@@ -94,14 +94,14 @@ impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
         let Setup { env, emitter, ports, plan, components } = setup;
-        let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
+        let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), SearchMemory::default());
         let machine = env.machine;
-        let mut state = State::new(machine, channel);
+        let mut state = ChannelMemory::new(machine, channel);
         state.times.record_motions(plan.hooks.is_some());
         Self {
-            channel: Channel {
+            channel: ChannelContext {
                 env,
-                at: At { channel: channel.number, ..At::default() },
+                at: ExecutionPoint { channel: channel.number, ..ExecutionPoint::default() },
                 block: Block::default(),
                 text: BlockText { tape, ..BlockText::default() },
                 context: BlockContext::default(),
@@ -110,11 +110,11 @@ impl<'a> Kernel<'a> {
                 state,
                 reports: Reports::new(rules(env.whole)),
                 burden: Burden::default(),
-                emitter: emitter.paced(Pace::of(machine, channel, env.options)),
+                emitter: emitter.paced(FeedPlanner::of(machine, channel, env.options)),
             },
             ports,
             plan,
-            flow: Flow::default(),
+            flow: ProgramFlow::default(),
             dialect: DialectState::new(machine, !env.options.lint),
             macros: Box::default(),
             components: Components::of(components, channel.number),

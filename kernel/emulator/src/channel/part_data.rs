@@ -3,7 +3,7 @@
 //! *Invariant:* a job reports such data once, in the channel that comes first in the order of shared operations.
 
 use crate::channel::Kernel;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_fault::{self as diag, Acted};
 use counterpoint_machine::length_units::begins_in_inches;
 use counterpoint_program::presets;
@@ -23,7 +23,8 @@ pub(crate) fn check(kernel: &mut Kernel<'_>, inch: bool) -> Acted {
     }
     let [mm, inches] = first.values;
     let (own, other) = if begins { (inches, mm) } else { (mm, inches) };
-    let [own_unit, other_unit] = [begins, inch].map(|inch| if inch { Unit::Inch } else { Unit::Mm }.name());
+    let [own_unit, other_unit] =
+        [begins, inch].map(|inch| if inch { MachineUnit::Inch } else { MachineUnit::Mm }.name());
     let text = format!(
         "'{}' in line {} is read as {own} ({own_unit}), not {other} ({other_unit}): write a decimal point, or run with \
          --set units={other_unit}",

@@ -1,10 +1,10 @@
 //! The parts of a kernel outside its channel: its outputs, and the data from which it is made.
 
-use super::components::Component;
-use super::plan::Plan;
-use crate::state::channel::Environment;
+use super::components::PreparedComponent;
+use super::plan::ExecutionPlan;
+use crate::state::channel::RunEnvironment;
 use crate::state::emitter::Emitter;
-use counterpoint_ports::control::{Control, Progress};
+use counterpoint_ports::control::{ChannelProgress, JobControl};
 use counterpoint_ports::step::Stepper;
 use counterpoint_sync::coordinator::switch::Port;
 
@@ -13,9 +13,9 @@ pub struct Ports<'a> {
     /// To the other kernels.
     pub coordinator: Port<'a>,
     /// To the caller of the job.
-    pub control: &'a Control,
+    pub control: &'a JobControl,
     /// Live progress of the channel.
-    pub progress: &'a Progress,
+    pub progress: &'a ChannelProgress,
     /// To the operator who steps through the job.
     pub stepper: Option<&'a dyn Stepper>,
 }
@@ -23,13 +23,13 @@ pub struct Ports<'a> {
 /// Data with which a kernel is made.
 pub struct Setup<'a> {
     /// The subject of the run.
-    pub env: Environment<'a>,
+    pub env: RunEnvironment<'a>,
     /// To the log.
     pub emitter: Emitter<'a>,
     /// The paths out.
     pub ports: Ports<'a>,
     /// The machine, prepared.
-    pub plan: &'a Plan,
+    pub plan: &'a ExecutionPlan,
     /// The components of a composite machine, prepared, as its list has them.
-    pub components: &'a [Component<'a>],
+    pub components: &'a [PreparedComponent<'a>],
 }

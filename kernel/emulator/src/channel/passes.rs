@@ -12,8 +12,8 @@ use counterpoint_event::event::FileId;
 use counterpoint_event::event::Kind;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_sync::order::Wake;
-use counterpoint_sync::order::spin::{After, Lap};
-use counterpoint_sync::races::Variable;
+use counterpoint_sync::order::spin::{LoopPass, PassOutcome};
+use counterpoint_sync::races::RaceVariable;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
 const MOST: usize = 32;
@@ -23,7 +23,7 @@ type Key = (FileId, u32, u32);
 
 /// A loop as seen by its last jump back.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Pass {
+pub(crate) struct TrackedLoop {
     pub(crate) key: Key,
     /// Running programs, including that of the loop.
     depth: usize,
@@ -35,7 +35,7 @@ pub(crate) struct Pass {
     ticks: i64,
     /// Something happened since that a later pass could see.
     effects: bool,
-    /// Shared variables read since, by place in the list of [`Passes`].
+    /// Shared variables read since, by place in the list of [`LoopTracker`].
     reads: u64,
     /// Macro steps until then.
     steps: u64,
@@ -46,7 +46,7 @@ pub(crate) struct Pass {
 
 /// The loops that a channel is in; the last to jump back is at the end.
 #[derive(Debug, Default)]
-pub(crate) struct Passes {
+pub(crate) struct LoopTracker {
     /// Something happened since the last jump back that a later pass could see.
     pub(crate) effects: bool,
     /// An own variable has changed since the last jump back, or a program was called. The same values at the start and
@@ -55,20 +55,20 @@ pub(crate) struct Passes {
     /// Shared variables read since the last jump back, by place in the list.
     reads: u64,
     /// Those that have been read in this program; from the 64th on all have one place.
-    variables: Vec<Variable>,
+    variables: Vec<RaceVariable>,
     /// The names of some of them.
     names: Option<(u64, Arc<str>)>,
     /// The condition of a loop is evaluated.
     pub(crate) condition: bool,
-    loops: Vec<Pass>,
+    loops: Vec<TrackedLoop>,
     /// Jumps back since the clock stood at `clock`.
     jumps: usize,
     clock: i64,
 }
 
-impl Passes {
+impl LoopTracker {
     /// The loop that jumped back last.
-    pub(crate) fn last(&self) -> Pass {
+    pub(crate) fn last(&self) -> TrackedLoop {
         self.loops.last().copied().unwrap_or_default()
     }
 
@@ -86,7 +86,7 @@ impl Passes {
     }
 
     /// The place of one more variable; the last one is that of all that find no room.
-    fn note(&mut self, variable: Variable) -> Option<usize> {
+    fn note(&mut self, variable: RaceVariable) -> Option<usize> {
         if self.variables.len() < 64 {
             self.variables.push(variable);
         }
@@ -137,7 +137,7 @@ impl Passes {
 
     /// The loop jumps back at this clock. Returns the clock of its last jump, if known. Loops inside it are forgotten:
     /// they start again.
-    fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<Pass> {
+    fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<TrackedLoop> {
         let (effects, reads) = (std::mem::take(&mut self.effects), std::mem::take(&mut self.reads));
         self.changes = false;
         for pass in &mut self.loops {
@@ -150,7 +150,7 @@ impl Passes {
             return self.loops.pop();
         }
         let (file, first, last) = key;
-        let inside = |pass: &Pass| pass.key.1 >= first && pass.key.2 <= last;
+        let inside = |pass: &TrackedLoop| pass.key.1 >= first && pass.key.2 <= last;
         let mut known = None;
         self.loops.retain(|pass| {
             if pass.key == key && pass.depth == depth {
@@ -189,7 +189,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         let known = self.flow.pass.jump(key, depth, self.channel.at.clock);
-        let mut next = Pass { key, depth, count: 1, ..Pass::default() };
+        let mut next = TrackedLoop { key, depth, count: 1, ..TrackedLoop::default() };
         if let Some(mut pass) = known {
             next.count = pass.count + 1;
             let mut every = None;
@@ -208,7 +208,7 @@ impl Kernel<'_> {
             }
             let waits = pass.clock + pass.ticks == self.channel.at.clock;
             if pass.reads != 0 && !pass.effects && waits && pass.steps == self.channel.burden.steps {
-                let lap = Lap { file, lines: (target, from), count: next.count, reads: pass.reads };
+                let lap = LoopPass { file, lines: (target, from), count: next.count, reads: pass.reads };
                 return self.end_lap(lap, pass, next, every);
             }
         } else if self.flow.pass.jumps > MOST {
@@ -220,19 +220,19 @@ impl Kernel<'_> {
     }
 
     /// Ends a pass that has only read. If it took no time but its tick, the channel may rest: `every` is the tick, ns.
-    fn end_lap(&mut self, mut lap: Lap, pass: Pass, mut next: Pass, every: Option<i64>) -> Acted {
+    fn end_lap(&mut self, mut lap: LoopPass, pass: TrackedLoop, mut next: TrackedLoop, every: Option<i64>) -> Acted {
         let print = self.own_print();
         let begun = pass.begun.filter(|(_, before)| *before == print).map(|(changes, _)| changes);
         let names = self.names(lap.reads);
         let changes = loop {
             let tag = self.channel.tag();
             match self.shared_ahead(|order| order.lap(tag, lap, begun, &names, every))? {
-                After::Pass(changes) => break changes,
-                After::Hopeless => {
+                PassOutcome::Pass(changes) => break changes,
+                PassOutcome::Hopeless => {
                     self.flow.pass.loops.push(next);
                     return Err(self.spinning(lap.lines.0, &names));
                 }
-                After::Rest => {
+                PassOutcome::Rest => {
                     let passes = self.rest(every.unwrap_or_default(), &names)?;
                     lap.count += passes;
                     next.count = lap.count;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Kernel;
-use super::actions::{Action, Actions};
+use super::actions::{Action, ActionTable};
 use super::custom_macro::CodeCalls;
 use super::hook_points::HookPoints;
 use super::names::WordNames;
@@ -15,49 +15,49 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, data_facts, takes};
-use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
+use counterpoint_machine::index::{CodeRowId, DataRowId, IdTable, RegisterId};
 use counterpoint_machine::model::AxisRole;
-use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Overlap, Register};
-use counterpoint_program::scan::Scanner;
+use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Register, TimeOverlap};
+use counterpoint_program::scan::LineScanner;
 use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
-use counterpoint_program::visible::Marks;
+use counterpoint_program::visible::RemarkDelimiters;
 
 /// Represents a remembered value among the registers of an identifier; no register has this bit, and every block has
 /// it.
 pub(crate) const RECALLED: u128 = 1 << 127;
 
 /// Compiled form of the machine for the block loop.
-pub struct Plan {
+pub struct ExecutionPlan {
     /// Where the macros of the machine take part; none on a machine without macros.
     pub(crate) hooks: Option<&'static HookPoints>,
-    pub(crate) scanner: Scanner,
+    pub(crate) scanner: LineScanner,
     /// For text left by the pre-processor of another control, which has treated the marks of block skip.
-    pub(crate) unmarked: Option<Arc<Scanner>>,
+    pub(crate) unmarked: Option<Arc<LineScanner>>,
     /// Action of each code row.
-    pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
+    pub(crate) action_of_row: IdTable<CodeRowId, Option<&'static dyn Action>>,
     /// Further requests to the actions.
-    pub(crate) actions: &'static Actions,
+    pub(crate) actions: &'static ActionTable,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// First enabled row of each code.
-    pub(crate) rows_of_code: Table<CodeId, Option<CodeRowId>>,
-    pub(crate) registers: Registers,
+    pub(crate) rows_of_code: IdTable<CodeId, Option<CodeRowId>>,
+    pub(crate) registers: ScannedRegisters,
     /// Names of words and codes.
     pub(crate) names: WordNames,
     pub(crate) data: DataPlan,
     pub(crate) edits: Edits,
     /// The effect of its blocks beyond their words.
-    pub(crate) rules: Rules,
+    pub(crate) rules: BlockRules,
     /// Treatment of motions that are not simply made: the macros of the machine see them, or they are recorded.
     pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// The plan by which contour blocks are read; none on machines without cycles that read them.
-    pub(crate) reading: Option<Box<Plan>>,
+    pub(crate) reading: Option<Box<ExecutionPlan>>,
 }
 
 /// Registers that a block is looked through for.
 #[derive(Debug)]
-pub(crate) struct Registers {
+pub(crate) struct ScannedRegisters {
     /// That of the G letter, for macro calls of the pre-processor.
     pub(crate) g: Option<RegisterId>,
     /// That which defines programs (O).
@@ -68,7 +68,7 @@ pub(crate) struct Registers {
     pub(crate) motion: u128,
     /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do
     /// not.
-    pub(crate) contour: Contour,
+    pub(crate) contour: ContourRegisters,
     /// Those whose words are data for any value, one bit per register.
     pub(crate) only_data: u128,
     /// Those that carry the spindle speed, bit by register.
@@ -85,14 +85,14 @@ pub(crate) struct Registers {
 
 /// Registers of corners and of directions of lines.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Contour {
+pub(crate) struct ContourRegisters {
     /// On blocks with a straight move.
     pub(crate) line: u128,
     /// On blocks with an arc: those that arcs have no other use for.
     pub(crate) arc: u128,
 }
 
-impl Contour {
+impl ContourRegisters {
     fn new(machine: &Machine) -> Self {
         let of = |kind: DataKind| {
             let rows = machine.data.iter().filter(|row| row.enable && row.id.kind() == kind);
@@ -107,17 +107,17 @@ impl Contour {
 #[derive(Debug)]
 pub(crate) struct DataPlan {
     /// Registers that can supply each data identifier, bit by register.
-    pub(crate) registers_of: Table<DataId, u128>,
+    pub(crate) registers_of: IdTable<DataId, u128>,
     /// Where the values of each data identifier come from, in row order.
-    pub(crate) sources: Table<DataId, Vec<Source>>,
+    pub(crate) sources: IdTable<DataId, Vec<DataSource>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
     pub(crate) diameter_x: Vec<DataId>,
     /// Data rows that drop their word silently.
-    pub(crate) ignore: Table<DataRowId, bool>,
+    pub(crate) ignore: IdTable<DataRowId, bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
-    pub(crate) recall: Option<Table<DataId, bool>>,
+    pub(crate) recall: Option<IdTable<DataId, bool>>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
-    pub(crate) refused: Table<DataId, u128>,
+    pub(crate) refused: IdTable<DataId, u128>,
 }
 
 /// Reasons why a block differs from its line.
@@ -134,7 +134,7 @@ pub(crate) struct Edits {
 impl Edits {
     fn new(machine: &Machine, syntax: &Syntax) -> Self {
         Self {
-            tape: Tape::new(&machine.tape_editor, Marks::new(&machine.format, syntax)),
+            tape: Tape::new(&machine.tape_editor, RemarkDelimiters::new(&machine.format, syntax)),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some() || machine.format.long_comments,
             long_comments: machine.format.long_comments,
         }
@@ -163,7 +163,7 @@ impl DataPlan {
     }
 }
 
-impl Registers {
+impl ScannedRegisters {
     fn new(machine: &Machine) -> Self {
         let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
         let (mut motion, mut speed) = (0_u128, 0_u128);
@@ -193,7 +193,7 @@ impl Registers {
             g,
             definition,
             motion,
-            contour: Contour::new(machine),
+            contour: ContourRegisters::new(machine),
             speed,
             function: machine.registers.find(|register| register.name == "M"),
             offsets,
@@ -205,12 +205,12 @@ impl Registers {
 
 /// The rules of a control for blocks and values beyond the meaning of their words.
 #[derive(Debug)]
-pub(crate) struct Rules {
+pub(crate) struct BlockRules {
     /// Group within which only the last G code of a block acts, by code row, 0 for none; `None` where all act.
-    pub(crate) exclusive: Option<Table<CodeRowId, u16>>,
+    pub(crate) exclusive: Option<IdTable<CodeRowId, u16>>,
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; none
     /// where values stay as they are.
-    pub(crate) steps: Option<Table<RegisterId, [f64; 2]>>,
+    pub(crate) steps: Option<IdTable<RegisterId, [f64; 2]>>,
     /// The lead of a thread and the feed per revolution are one word that stays active (F of Fanuc controls).
     pub(crate) lead_is_feed: bool,
     /// Circles may continue in the direction of the last move, which is kept for them.
@@ -220,20 +220,20 @@ pub(crate) struct Rules {
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
     /// Registers of offset numbers whose words a code takes, by code row; empty where numbers need their codes.
-    pub(crate) number_takers: Table<CodeRowId, u128>,
+    pub(crate) number_takers: IdTable<CodeRowId, u128>,
     /// An axis moves by a change of the tool length.
     pub(crate) length_moves: bool,
 }
 
-impl Rules {
+impl BlockRules {
     fn new(machine: &Machine, g: Option<RegisterId>) -> Self {
         Self {
             exclusive: exclusive(machine, g),
             steps: steps(machine),
             lead_is_feed: lead_is_feed(machine),
             keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
-            overlaps: machine.codes.iter().any(|row| row.seconds > 0.0 && row.overlap != Overlap::None)
-                || machine.spindles.iter().any(|spindle| spindle.overlap != Overlap::None),
+            overlaps: machine.codes.iter().any(|row| row.seconds > 0.0 && row.overlap != TimeOverlap::None)
+                || machine.spindles.iter().any(|spindle| spindle.overlap != TimeOverlap::None),
             refusals: Refusals::new(machine),
             number_takers: number_takers(machine),
             length_moves: machine.compensation.length.moves,
@@ -242,7 +242,7 @@ impl Rules {
 }
 
 /// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
-fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
+fn recall(machine: &Machine) -> Option<IdTable<DataId, bool>> {
     let own = |kind: DataKind| kind.is_modal() || kind == DataKind::ThreadLead;
     let of = |_, rows: &Vec<DataRowId>| {
         let mut rows = rows.iter().map(|&row| &machine.data[row]);
@@ -281,7 +281,7 @@ pub(crate) const NEEDED: [DataId; 24] = [
 ];
 
 /// Registers of rows that are recognised but not processed.
-fn refused(machine: &Machine) -> Table<DataId, u128> {
+fn refused(machine: &Machine) -> IdTable<DataId, u128> {
     let of = |_, rows: &Vec<DataRowId>| {
         let rows = rows.iter().map(|&row| &machine.data[row]);
         let registers = rows.filter(|row| !row.process).filter_map(|row| row.register);
@@ -301,7 +301,7 @@ fn refused(machine: &Machine) -> Table<DataId, u128> {
 const ONE_SHOT: u16 = 1000;
 
 /// Groups of rows whose codes exclude each other in a block: those of G words.
-fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId, u16>> {
+fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<IdTable<CodeRowId, u16>> {
     if !machine.habits.last_of_group {
         return None;
     }
@@ -331,7 +331,7 @@ fn offsets(machine: &Machine, numbers: &[DataId]) -> u128 {
 
 /// Registers of offset numbers whose words the action of a code may take; all for custom codes, whose words are not
 /// known.
-fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
+fn number_takers(machine: &Machine) -> IdTable<CodeRowId, u128> {
     let offsets = if machine.compensation.numbers_alone { offsets(machine, &OFFSET_NUMBERS) } else { 0 };
     let rows = machine.data.iter().filter(|row| row.enable);
     let on_them = rows.filter_map(|row| Some((row.id, row.register?.bit() & offsets))).filter(|(_, bit)| *bit != 0);
@@ -346,7 +346,7 @@ fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
 }
 
 /// Steps of one unit at each register.
-fn steps(machine: &Machine) -> Option<Table<RegisterId, [f64; 2]>> {
+fn steps(machine: &Machine) -> Option<IdTable<RegisterId, [f64; 2]>> {
     let of = |_, register: &Register| {
         let digits = |digits: u8| register.increment.map_or(10_f64.powi(i32::from(digits)), f64::recip);
         [digits(register.format.frac), digits(register.secondary.frac)]
@@ -356,7 +356,7 @@ fn steps(machine: &Machine) -> Option<Table<RegisterId, [f64; 2]>> {
 
 /// A data row, reduced to the fields for taking a value.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Source {
+pub(crate) struct DataSource {
     pub(crate) register: RegisterId,
     pub(crate) modal: bool,
     pub(crate) mul: f64,
@@ -393,10 +393,10 @@ fn diameter_x(machine: &Machine) -> Vec<DataId> {
     axes.chain(own).collect()
 }
 
-fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source>> {
+fn sources(machine: &Machine, diameter_x: &[DataId]) -> IdTable<DataId, Vec<DataSource>> {
     let source = |&index: &DataRowId| {
         let row = Some(&machine.data[index]).filter(|row| row.process)?;
-        Some(Source {
+        Some(DataSource {
             register: row.register?,
             modal: row.modal,
             mul: row.mul,
@@ -435,7 +435,7 @@ fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
 }
 
 /// First enabled row of each code.
-fn rows_of_code(machine: &Machine) -> Table<CodeId, Option<CodeRowId>> {
+fn rows_of_code(machine: &Machine) -> IdTable<CodeId, Option<CodeRowId>> {
     let mut rows = machine.code_names.map(|_, _| None);
     for (at, row) in machine.codes.entries().filter(|(_, row)| row.enable) {
         rows[row.id].get_or_insert(at);
@@ -450,9 +450,9 @@ fn lead_is_feed(machine: &Machine) -> bool {
     counterpoint_dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
 }
 
-impl Plan {
+impl ExecutionPlan {
     /// Where the values of an identifier come from.
-    pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
+    pub(crate) fn sources_of(&self, id: DataId) -> &[DataSource] {
         &self.data.sources[id]
     }
 
@@ -465,24 +465,24 @@ impl Plan {
     pub fn new(
         machine: &Machine,
         opskip: &[u8],
-        actions: &'static Actions,
+        actions: &'static ActionTable,
         hooks: Option<&'static HookPoints>,
     ) -> Self {
         let reads =
             |row: &CodeRow| row.enable && (matches!(row.id.kind(), CodeKind::Turning(_)) || row.id == codes::POCKET);
         let dialect = counterpoint_dialect::of(machine);
         let reading = actions.reading.filter(|_| dialect.reads_contours() || machine.codes.iter().any(reads));
-        let registers = Registers::new(machine);
+        let registers = ScannedRegisters::new(machine);
         let syntax = dialect.syntax();
         Self {
             hooks,
-            unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
-            scanner: Scanner::new(machine, syntax, opskip),
+            unmarked: syntax.needs_interpreter.map(|_| Arc::new(LineScanner::without_marks(machine, syntax))),
+            scanner: LineScanner::new(machine, syntax, opskip),
             action_of_row: machine.codes.map(|_, row| (actions.of)(row.id)),
             actions,
             code_calls: CodeCalls::new(machine),
             rows_of_code: rows_of_code(machine),
-            rules: Rules::new(machine, registers.g),
+            rules: BlockRules::new(machine, registers.g),
             names: WordNames::new(machine),
             registers,
             data: DataPlan::new(machine),

@@ -4,13 +4,13 @@
 //! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, codes};
-use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
-use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
+use counterpoint_machine::index::{CodeRowId, IdTable, RegisterId};
+use counterpoint_machine::refusals::{Active, BlockRefusal, CodeReference, WordRule};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
 use counterpoint_program::block::{Block, PendingCode, Word};
@@ -19,9 +19,9 @@ use counterpoint_program::block::{Block, PendingCode, Word};
 #[derive(Debug)]
 pub(crate) struct Refusals {
     /// Rules that look for each code row, bit by rule.
-    rows: Table<CodeRowId, u64>,
+    rows: IdTable<CodeRowId, u64>,
     /// Rules without codes that look for words of each register, bit by rule.
-    free: Table<RegisterId, u64>,
+    free: IdTable<RegisterId, u64>,
     /// Those registers, bit by register.
     registers: u128,
     /// Rules that count while taps are rigid only, bit by rule: most of them look at every move.
@@ -29,7 +29,7 @@ pub(crate) struct Refusals {
     /// The same while the path is on a face or a cylinder: these rules test every circle and rapid move.
     wrapped: u64,
     /// Conditions of the first 63 rules for the words of a block.
-    words: Vec<Words>,
+    words: Vec<WordCondition>,
 }
 
 /// A value below this is zero.
@@ -40,7 +40,7 @@ const ANY_BLOCK: u128 = 1 << 127;
 
 /// Condition of a rule for the words of a block, bit by register.
 #[derive(Debug)]
-struct Words {
+struct WordCondition {
     /// One of these is there.
     one: u128,
     /// All of these are.
@@ -49,8 +49,8 @@ struct Words {
     none: u128,
 }
 
-impl Words {
-    fn of(rule: &Refusal) -> Self {
+impl WordCondition {
+    fn of(rule: &BlockRefusal) -> Self {
         let one = if rule.with == 0 { ANY_BLOCK } else { rule.with };
         Self { one, all: rule.all | rule.word.map_or(0, |word| word.register.bit()), none: rule.without }
     }
@@ -67,7 +67,7 @@ impl Refusals {
         if machine.diagnostics.refusals.is_empty() {
             return None;
         }
-        let rules = |of: &dyn Fn(&Refusal) -> bool| {
+        let rules = |of: &dyn Fn(&BlockRefusal) -> bool| {
             let found = machine.diagnostics.refusals.iter().enumerate().filter(|(_, rule)| of(rule));
             found.fold(0, |bits, (at, _)| bits | bit(at))
         };
@@ -84,7 +84,7 @@ impl Refusals {
         let registers =
             free.entries().filter(|(_, rules)| **rules != 0).fold(0, |bits, (register, _)| bits | register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
-        let words = machine.diagnostics.refusals.iter().take(63).map(Words::of).collect();
+        let words = machine.diagnostics.refusals.iter().take(63).map(WordCondition::of).collect();
         let only_while = |of: &[CodeId]| {
             rules(&|rule| !rule.active.is_empty() && rule.active.iter().all(|state| of.contains(&state.id))) & !bit(63)
         };
@@ -120,10 +120,10 @@ fn bit(rule: usize) -> u64 {
 }
 
 /// Whether some value of the row is named by the rule.
-fn may_be(code: &Written, row: &CodeRow) -> bool {
+fn may_be(code: &CodeReference, row: &CodeRow) -> bool {
     match *code {
-        Written::Id(id) => row.id == id,
-        Written::Word { register, min, max } => {
+        CodeReference::Id(id) => row.id == id,
+        CodeReference::Word { register, min, max } => {
             form_range(&row.form).is_some_and(|(own, from, to)| own == register && from <= max && min <= to)
         }
     }
@@ -206,7 +206,7 @@ impl Kernel<'_> {
         let rule = loop {
             if own == 0 {
                 let last = if rules & bit(63) == 0 { &[][..] } else { all.get(63..).unwrap_or_default() };
-                break last.iter().find(|rule| Words::of(rule).fit(words) && self.is_refused_by(rule));
+                break last.iter().find(|rule| WordCondition::of(rule).fit(words) && self.is_refused_by(rule));
             }
             let rule = all.get(own.trailing_zeros() as usize).filter(|rule| self.is_refused_by(rule));
             if rule.is_some() {
@@ -222,7 +222,7 @@ impl Kernel<'_> {
 
     /// Whether a rule refuses the block, whose words are as it wants them.
     #[inline]
-    fn is_refused_by(&self, rule: &Refusal) -> bool {
+    fn is_refused_by(&self, rule: &BlockRefusal) -> bool {
         rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && has_state(&self.channel, rule)
     }
 
@@ -249,7 +249,7 @@ impl Kernel<'_> {
 }
 
 /// `channel 1 has no axis (its axes are X, Y and Z)`.
-pub(crate) fn no_such_axis(channel: &Channel<'_>) -> String {
+pub(crate) fn no_such_axis(channel: &ChannelContext<'_>) -> String {
     let machine = channel.env.machine;
     let axes = channel.state.place.layout.axes.entries();
     let letters: Vec<&str> = axes.map(|(_, axis)| machine.axes[axis.machine].letter.as_str()).collect();
@@ -262,7 +262,7 @@ pub(crate) fn no_such_axis(channel: &Channel<'_>) -> String {
 }
 
 /// Whether a code of the block is one of the rule, and the active codes satisfy the rule.
-fn has_state(channel: &Channel<'_>, rule: &Refusal) -> bool {
+fn has_state(channel: &ChannelContext<'_>, rule: &BlockRefusal) -> bool {
     let mut pending =
         channel.block.pending.iter().filter(|pending| rule.implied && !pending.only_if_data_left || !pending.modal);
     let trigger = pending.find(|pending| rule.codes.iter().any(|code| is_written(channel.env.machine, code, pending)));
@@ -286,11 +286,11 @@ fn has_state(channel: &Channel<'_>, rule: &Refusal) -> bool {
     (rule.active.is_empty() || rule.active.iter().any(stays)) && !rule.inactive.iter().any(was)
 }
 
-fn is_written(machine: &Machine, code: &Written, pending: &PendingCode) -> bool {
+fn is_written(machine: &Machine, code: &CodeReference, pending: &PendingCode) -> bool {
     let row = &machine.codes[pending.row];
     match *code {
-        Written::Id(id) => row.id == id,
-        Written::Word { register, min, max } => {
+        CodeReference::Id(id) => row.id == id,
+        CodeReference::Word { register, min, max } => {
             let own = form_range(&row.form).filter(|(own, ..)| *own == register);
             // An omitted value has the value of its row.
             own.is_some_and(|(_, first, _)| (min..=max).contains(if pending.modal { &first } else { &pending.value }))
@@ -299,7 +299,7 @@ fn is_written(machine: &Machine, code: &Written, pending: &PendingCode) -> bool 
 }
 
 /// Whether another code of the group of an active code is in the block.
-fn is_ended(channel: &Channel<'_>, state: &Active, trigger: Option<&PendingCode>) -> bool {
+fn is_ended(channel: &ChannelContext<'_>, state: &Active, trigger: Option<&PendingCode>) -> bool {
     let others = channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
     let mut rows = others.map(|pending| &channel.env.machine.codes[pending.row]);
     rows.any(|row| row.group == state.group && row.id != state.id)

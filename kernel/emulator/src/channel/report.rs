@@ -9,13 +9,13 @@ use super::Kernel;
 use crate::state::alarms::Alarms;
 use crate::state::burden::{RESULT, shortened};
 use counterpoint_event::event::{Diagnostic, Kind, Unrecognised};
-use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
-    pub fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+    pub fn diagnose(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) {
         if facts.alarm && self.ports.control.cancelled() {
             // A cancelled search may not have looked everywhere.
             return;
@@ -54,7 +54,7 @@ impl Kernel<'_> {
         true
     }
 
-    fn log_diagnostic(&mut self, facts: &Facts, text: String, stops: bool) {
+    fn log_diagnostic(&mut self, facts: &DiagnosticFacts, text: String, stops: bool) {
         let errors = self.channel.reports.alarms.errors;
         if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
             if self.plan.hooks.is_some() {
@@ -81,7 +81,7 @@ impl Kernel<'_> {
     }
 
     /// Logs an alarm of the control and returns its effect: the channel stops, or the rest of the block is dropped.
-    pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+    pub(crate) fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(if self.channel.env.machine.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
@@ -106,7 +106,7 @@ impl Kernel<'_> {
     }
 
     /// Logs an alarm that leaves nothing to continue with.
-    pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+    pub(crate) fn fatal(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(Halt::Alarm)
     }

@@ -7,13 +7,13 @@
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::flow::Callee;
 use crate::macros::store;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::RegisterId;
@@ -22,15 +22,15 @@ use counterpoint_machine::number::written;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::block::Block;
 use counterpoint_program::layout::opening;
-use counterpoint_program::scan::Kind;
-use counterpoint_program::shape::Range;
+use counterpoint_program::scan::ScanResult;
+use counterpoint_program::shape::ProgramRange;
 
 /// Lines of a file by label, ascending.
 pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
 
 /// A place to look in. The names of files are made when their turn comes.
 #[derive(Debug, Clone, Copy)]
-enum Look {
+enum SearchLocation {
     /// The file of the program that calls, by definition word.
     Current,
     /// The file of the main program, by definition word.
@@ -49,7 +49,7 @@ enum Look {
     Memory,
 }
 
-impl Look {
+impl SearchLocation {
     /// The order of a machine.
     fn order(placement: Placement) -> [Self; 7] {
         match placement {
@@ -68,7 +68,7 @@ impl Look {
 
 impl Kernel<'_> {
     /// Looks a program up; one that was called by number before is known, unless macros say where programs are.
-    pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         if let Callee::ProgramFrom(number, first) = *what {
             let whole = self.find_program(&Callee::Program(number))?;
             return Ok(whole.and_then(|(file, range)| Some((file, begun_at(&self.channel, file, range, first)?))));
@@ -92,18 +92,18 @@ impl Kernel<'_> {
     }
 
     /// Looks for a program in all places.
-    fn look_for_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    fn look_for_program(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         self.work(self.channel.env.info.files.len())?;
-        for look in Look::order(self.channel.env.machine.subprograms.placement) {
+        for look in SearchLocation::order(self.channel.env.machine.subprograms.placement) {
             let found = match look {
-                Look::Current => self.defined_in(self.flow.frames.last().map(|frame| frame.file), what)?,
-                Look::Main => self.defined_in(self.flow.frames.first().map(|frame| frame.file), what)?,
-                Look::Stored => self.first_of(self.stored(what), what, true)?,
-                Look::One => self.named(&self.subprogram_files(what).1, what, false)?,
-                Look::Each => self.named(&self.subprogram_files(what).0, what, false)?,
-                Look::EachFromTop => self.named(&self.subprogram_files(what).0, what, true)?,
-                Look::Beside => self.first_of(self.beside(what), what, false)?,
-                Look::Memory => self.in_memory(what)?,
+                SearchLocation::Current => self.defined_in(self.flow.frames.last().map(|frame| frame.file), what)?,
+                SearchLocation::Main => self.defined_in(self.flow.frames.first().map(|frame| frame.file), what)?,
+                SearchLocation::Stored => self.first_of(self.stored(what), what, true)?,
+                SearchLocation::One => self.named(&self.subprogram_files(what).1, what, false)?,
+                SearchLocation::Each => self.named(&self.subprogram_files(what).0, what, false)?,
+                SearchLocation::EachFromTop => self.named(&self.subprogram_files(what).0, what, true)?,
+                SearchLocation::Beside => self.first_of(self.beside(what), what, false)?,
+                SearchLocation::Memory => self.in_memory(what)?,
             };
             if found.is_some() {
                 return Ok(found);
@@ -113,7 +113,7 @@ impl Kernel<'_> {
     }
 
     /// By definition word in a file that is loaded.
-    fn defined_in(&mut self, file: Option<FileId>, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    fn defined_in(&mut self, file: Option<FileId>, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         let Some(file) = file else { return Ok(None) };
         let searched = self.channel.env.sources.get(file).map_or(0, |source| source.programs().len());
         self.work(searched / 16)?;
@@ -121,7 +121,7 @@ impl Kernel<'_> {
     }
 
     /// The first file of the job that defines a program of this number.
-    fn in_memory(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    fn in_memory(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         if !matches!(what, Callee::Program(_)) || self.plan.registers.definition.is_none() {
             return Ok(None);
         }
@@ -135,7 +135,12 @@ impl Kernel<'_> {
     }
 
     /// The first of these files that has the program.
-    fn first_of(&mut self, files: Vec<String>, what: &Callee, from_top: bool) -> Result<Option<(FileId, Range)>, Halt> {
+    fn first_of(
+        &mut self,
+        files: Vec<String>,
+        what: &Callee,
+        from_top: bool,
+    ) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         for name in files {
             if let Some(found) = self.named(&name, what, from_top)? {
                 return Ok(Some(found));
@@ -145,7 +150,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a range in the current file.
-    pub(crate) fn find_range(&mut self, what: &Callee) -> Option<Range> {
+    pub(crate) fn find_range(&mut self, what: &Callee) -> Option<ProgramRange> {
         let sources = self.channel.env.sources;
         let source = sources.get(self.channel.at.file)?;
         // A range is called by whole lines.
@@ -160,7 +165,7 @@ impl Kernel<'_> {
                 let start = numbered(first).first().copied()?;
                 let programs = source.programs().iter();
                 let last = programs.filter(|range| range.last >= start).map(|range| range.last).next();
-                return Some(Range { number: None, first: start, last: last.unwrap_or(source.lines()) });
+                return Some(ProgramRange { number: None, first: start, last: last.unwrap_or(source.lines()) });
             }
             Callee::Labels(first, last) => {
                 let labels = self.labels();
@@ -170,7 +175,7 @@ impl Kernel<'_> {
         };
         let start = from.first().copied()?;
         let end = *to.get(to.partition_point(|&line| line < start))?;
-        Some(Range { number: None, first: start, last: end })
+        Some(ProgramRange { number: None, first: start, last: end })
     }
 
     /// Labels of the current file, found once. A block with a word for a label has it, unless it calls a range.
@@ -185,7 +190,7 @@ impl Kernel<'_> {
         if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
                 let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
-                if is_plain != Kind::Words || self.calls_range(&block) {
+                if is_plain != ScanResult::Words || self.calls_range(&block) {
                     continue;
                 }
                 let word = |of: RegisterId| block.words.iter().find(|word| word.register == of).map(|word| word.value);
@@ -208,7 +213,7 @@ impl Kernel<'_> {
     }
 
     /// A program of a file by name; `whole` takes the file from its top, regardless of its definitions.
-    fn named(&mut self, name: &str, what: &Callee, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
+    fn named(&mut self, name: &str, what: &Callee, whole: bool) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         let Some(file) = self.channel.env.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
             return Ok(None);
         };
@@ -224,7 +229,7 @@ impl Kernel<'_> {
             // Text before definitions is a program: that after which the file is named.
             Some(range) if !whole => range,
             None if !whole => return Ok(None),
-            _ => Range { number: None, first: 1, last: source.lines() },
+            _ => ProgramRange { number: None, first: 1, last: source.lines() },
         };
         let mut range = opening(source, all, &self.channel.env.machine.format);
         if self.channel.env.machine.format.is_rewind_stop(source.line(range.first)) {
@@ -246,7 +251,7 @@ impl Kernel<'_> {
     fn subprogram_files(&self, what: &Callee) -> (String, String) {
         let (folder, stem) = self.main_program();
         let extension = match self.plan.hooks.map(|_| self.macros.variables.store.get(store::names().extension)) {
-            Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
+            Some(MacroValue::Text(set)) => set.trim().trim_start_matches('.'),
             _ => self.channel.env.machine.subprograms.extension.as_str(),
         };
         let id = match what {
@@ -337,14 +342,14 @@ fn names(what: &Callee) -> Vec<String> {
 }
 
 /// The blocks of a program from a line with a sequence number on.
-fn begun_at(channel: &Channel<'_>, file: FileId, range: Range, number: u32) -> Option<Range> {
+fn begun_at(channel: &ChannelContext<'_>, file: FileId, range: ProgramRange, number: u32) -> Option<ProgramRange> {
     let mut blocks = channel.env.sources.get(file)?.sequences(number).iter();
     let inside = |line: u32| (range.first..=range.last).contains(&line);
     let first = blocks.find(|block| block.offset == 0 && inside(block.line))?.line;
-    Some(Range { first, ..range })
+    Some(ProgramRange { first, ..range })
 }
 
-fn in_file(channel: &Channel<'_>, file: FileId, what: &Callee) -> Option<Range> {
+fn in_file(channel: &ChannelContext<'_>, file: FileId, what: &Callee) -> Option<ProgramRange> {
     let source = channel.env.sources.get(file)?;
     match what {
         Callee::Named(name) => source.named(name),

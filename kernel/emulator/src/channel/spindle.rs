@@ -8,18 +8,18 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use super::access::Door;
-use crate::state::channel::Channel;
-use crate::state::spindle::Turning;
-use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
+use crate::state::channel::ChannelContext;
+use crate::state::spindle::SpindleRotation;
+use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::SpindleId;
-use counterpoint_sync::races::Mode;
-use counterpoint_sync::shared::Command;
-use counterpoint_sync::wait::Set;
+use counterpoint_sync::races::AccessMode;
+use counterpoint_sync::shared::SpindleCommand;
+use counterpoint_sync::wait::ChannelSet;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
-    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
         let Some(id) = self.channel.state.spindle.id else {
             let text =
                 format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.channel.block_text());
@@ -37,13 +37,13 @@ impl Kernel<'_> {
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, was) = (self.channel.now(), (before, self.channel.state.spindle.range(self.channel.env.machine)));
-            let (command, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
-                let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
+            let (command, writer) = self.access(Door::Spindle, AccessMode::Write, |shared| {
+                let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (SpindleCommand::default(), 0) };
                 let changed = spindle.change(change, was, (now, channel));
                 let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
                 spindle.writer = channel;
-                spindle.ordered = Set::default().with(channel);
+                spindle.ordered = ChannelSet::default().with(channel);
                 (spindle.command, writer)
             })?;
             self.channel.state.spindle.command = command;
@@ -66,7 +66,7 @@ impl Kernel<'_> {
     }
 
     /// Changes the commanded state as a macro wants it: without an event and without time.
-    pub(crate) fn set_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+    pub(crate) fn set_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
         let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
         if !self.channel.state.spindle.shared {
             change(&mut self.channel.state.spindle.command);
@@ -74,7 +74,7 @@ impl Kernel<'_> {
         }
         let was = (self.turning_speed()?, self.channel.state.spindle.range(self.channel.env.machine));
         let at = (self.channel.now(), self.channel.at.channel);
-        let command = self.access(Door::Spindle, Mode::Write, |shared| {
+        let command = self.access(Door::Spindle, AccessMode::Write, |shared| {
             shared.spindles.get_mut(id.index()).map(|spindle| {
                 spindle.change(change, was, at);
                 spindle.command
@@ -122,13 +122,13 @@ impl Kernel<'_> {
     }
 
     /// Commanded state of the channel's spindle as of now.
-    pub(crate) fn current(&mut self) -> Result<Command, Halt> {
+    pub(crate) fn current(&mut self) -> Result<SpindleCommand, Halt> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
             let ended = self.channel.state.spindle.ended_assumption(self.channel.now());
             let channel = self.channel.at.channel;
-            let known = self.access(Door::Spindle, Mode::Read, |shared| {
+            let known = self.access(Door::Spindle, AccessMode::Read, |shared| {
                 let spindle = shared.spindles.get(id.index())?;
                 let change = ended.and_then(|(known, end)| spindle.changes.of_others(channel, known, end));
                 let changes = (spindle.changes.count, spindle.changes.newest());
@@ -146,18 +146,18 @@ impl Kernel<'_> {
     }
 
     /// How the spindle turns now, `None` when it is stopped.
-    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
+    pub(crate) fn spindle_speed(&mut self) -> Result<Option<SpindleRotation>, Halt> {
         let command = self.current()?;
         // A synchronised tap turns the spindle itself.
-        let turns = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+        let turns = matches!(command.direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise);
         if !turns && !self.channel.state.cycle.is_rigid() {
             return Ok(None);
         }
-        let Channel { env, state, .. } = &self.channel;
+        let ChannelContext { env, state, .. } = &self.channel;
         let speed = state.spindle.surface_speed(env.machine, state.secondary, &command);
         if !command.css {
             let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(speed.max) } else { command.rpm };
-            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+            return Ok((rpm > 0.0).then_some(SpindleRotation::Fixed(rpm)));
         }
         if command.surface <= 0.0 {
             return Ok(None);
@@ -167,9 +167,9 @@ impl Kernel<'_> {
         }
         if command.radius > 0.0 {
             let rpm = speed.rpm(command.radius);
-            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+            return Ok((rpm > 0.0).then_some(SpindleRotation::Fixed(rpm)));
         }
-        Ok(Some(Turning::Surface(speed)))
+        Ok(Some(SpindleRotation::Surface(speed)))
     }
 
     /// Speed that turns now, 0 when the spindle is stopped.

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use super::Kernel;
-use super::flow::{Callee, Frame};
-use counterpoint_dialect::{Call, Interpreter, Remaining};
+use super::flow::{Callee, RunningProgram};
+use counterpoint_dialect::{Interpreter, Remaining, SubprogramCall};
 use counterpoint_fault as diag;
-use counterpoint_program::source::Source;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::source::ProgramSource;
+use counterpoint_program::spot::BlockStart;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.
@@ -40,7 +40,7 @@ impl Kernel<'_> {
 
     /// A line that the interpreter is known to execute, on a kernel without macros.
     #[inline(always)]
-    pub(crate) fn known_statement(&mut self, source: &Source) -> Acted {
+    pub(crate) fn known_statement(&mut self, source: &ProgramSource) -> Acted {
         let line = (self.channel.at.file, self.channel.at.line);
         let Some(mut interpreter) = self.dialect.interpreter.take() else { return Ok(()) };
         self.channel.block.clear();
@@ -101,7 +101,7 @@ impl Kernel<'_> {
     }
 
     /// A word jumps within the program.
-    pub(crate) fn interpreter_jump(&mut self, target: Spot) {
+    pub(crate) fn interpreter_jump(&mut self, target: BlockStart) {
         if !self.flow.loops.is_empty() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_jump(kernel, target));
         }
@@ -135,8 +135,8 @@ impl Kernel<'_> {
     }
 
     /// Calls a text that the interpreter has found, or that a startup macro may find.
-    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
-        let Call { name, place, passes, closes } = call;
+    pub(crate) fn call_text(&mut self, call: SubprogramCall) -> Acted {
+        let SubprogramCall { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
@@ -154,7 +154,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         let repeats = passes.saturating_sub(1);
-        self.enter(Frame { repeats, closes, called, ..Frame::main(file, range, (*name).into()) });
+        self.enter(RunningProgram { repeats, closes, called, ..RunningProgram::main(file, range, (*name).into()) });
         Ok(())
     }
 }

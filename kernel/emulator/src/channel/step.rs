@@ -6,10 +6,10 @@
 
 use counterpoint_event::SourcePlace;
 use counterpoint_fault::{self as diag, Acted, Halt};
-use counterpoint_lang::value::Value;
-use counterpoint_ports::dialog::answers::Value as Shown;
-use counterpoint_ports::step::{Event, Go, Seen, Stepper};
-use counterpoint_sync::shared::Shared;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_ports::dialog::answers::DialogValue as Shown;
+use counterpoint_ports::step::{Go, KernelSnapshot, StepEvent, Stepper};
+use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::wait;
 
 use super::Kernel;
@@ -85,7 +85,7 @@ impl Kernel<'_> {
             return;
         }
         let known = self.channel.reports.waits.wait(wait);
-        self.comes_to(Event::Wait(&known, wait.key.number));
+        self.comes_to(StepEvent::Wait(&known, wait.key.number));
     }
 
     /// Called when the kernel has written data that all channels share.
@@ -101,10 +101,10 @@ impl Kernel<'_> {
             Door::Common(index) => order.shared.variables.get(&index).copied(),
             _ => None,
         });
-        self.comes_to(Event::Write(&name, value));
+        self.comes_to(StepEvent::Write(&name, value));
     }
 
-    fn comes_to(&mut self, event: Event<'_>) {
+    fn comes_to(&mut self, event: StepEvent<'_>) {
         let Some(stepper) = self.ports.stepper.filter(|_| self.channel.at.channel > 0) else { return };
         if !self.ports.control.cancelled() && stepper.comes_to(event, &mut || self.seen()) {
             self.hold(stepper);
@@ -122,14 +122,17 @@ impl Kernel<'_> {
         }
     }
 
-    fn seen(&self) -> Seen {
-        Seen { variables: self.dialect.variables.with_value(MOST), ..self.place(self.channel.at.user_place()) }
+    fn seen(&self) -> KernelSnapshot {
+        KernelSnapshot {
+            variables: self.dialect.variables.with_value(MOST),
+            ..self.place(self.channel.at.user_place())
+        }
     }
 
     /// The same without variables.
-    fn place(&self, place: SourcePlace) -> Seen {
+    fn place(&self, place: SourcePlace) -> KernelSnapshot {
         let at = &self.channel.at;
-        Seen {
+        KernelSnapshot {
             channel: at.channel,
             file: place.file,
             line: place.line,
@@ -144,7 +147,7 @@ impl Kernel<'_> {
 
 /// Variables that all channels share and that have a value: numbered ones, named ones, GLOBALs of macros by their
 /// names.
-pub fn common(shared: &Shared, globals: &[String]) -> Vec<(String, Shown)> {
+pub fn common(shared: &SharedState, globals: &[String]) -> Vec<(String, Shown)> {
     let mut numbers: Vec<_> = shared.variables.iter().map(|(number, value)| (*number, *value)).collect();
     numbers.sort_unstable_by_key(|(number, _)| *number);
     let mut named: Vec<_> = shared.named.iter().filter_map(|(name, value)| Some((&**name, shown(value)?))).collect();
@@ -156,11 +159,11 @@ pub fn common(shared: &Shared, globals: &[String]) -> Vec<(String, Shown)> {
 }
 
 /// A value short enough to be read at a glance.
-fn shown(value: &Value) -> Option<Shown> {
+fn shown(value: &MacroValue) -> Option<Shown> {
     match value {
-        Value::Real(number) => Some(Shown::Number(*number)),
-        Value::Logical(flag) => Some(Shown::Flag(*flag)),
-        Value::Text(text) => Some(Shown::Text(text.to_string())),
+        MacroValue::Real(number) => Some(Shown::Number(*number)),
+        MacroValue::Logical(flag) => Some(Shown::Flag(*flag)),
+        MacroValue::Text(text) => Some(Shown::Text(text.to_string())),
         _ => None,
     }
 }

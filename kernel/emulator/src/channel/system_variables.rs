@@ -7,17 +7,17 @@
 use rustc_hash::FxHashMap;
 
 use super::{Kernel, unit_switch};
-use crate::state::channel::Channel;
-use crate::state::frames::offsets::{BASE, EXTENDED, Radii, Table};
-use crate::state::position::Place;
+use crate::state::channel::ChannelContext;
+use crate::state::frames::offsets::{BASE, EXTENDED, OffsetTable, Radii};
+use crate::state::position::MotionState;
 use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::Turn;
+use counterpoint_machine::model::RotaryPositioning;
 use counterpoint_machine::rows::CodeForm;
-use counterpoint_machine::system_variables::{Column, Frame, MODAL_CALLS, Means, SystemVariables};
+use counterpoint_machine::system_variables::{MODAL_CALLS, Means, OffsetColumn, PositionReference, SystemVariables};
 
 /// Seconds of a day.
 const DAY: i64 = 86_400;
@@ -121,7 +121,7 @@ impl Kernel<'_> {
                 let bits = value.clamp(0.0, 65_535.0).round() as u32;
                 kept.kept.insert(number, f64::from(bits & !INCH));
                 let inch = bits & INCH != 0;
-                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::Unit::Inch;
+                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::MachineUnit::Inch;
                 unit_switch::switch_unit(self, inch != machine_inch);
             }
             Means::Bit(_) => {
@@ -151,7 +151,7 @@ impl Kernel<'_> {
             Means::Date => f64::from(date(variables.start, clock)),
             Means::TimeOfDay => f64::from(time_of_day(variables.start.1, clock)),
             Means::Settings => {
-                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::Unit::Inch;
+                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::MachineUnit::Inch;
                 let inch = machine_inch != self.channel.state.secondary;
                 kept.kept(number, 0.0) + if inch { f64::from(INCH) } else { 0.0 }
             }
@@ -197,7 +197,7 @@ impl Kernel<'_> {
     }
 
     /// A value by axis of the channel, in units of the program; `axes` are the X, Y and Z axes in another order.
-    fn position(&self, frame: Frame, axes: Option<&[u8]>, at: usize) -> Option<f64> {
+    fn position(&self, frame: PositionReference, axes: Option<&[u8]>, at: usize) -> Option<f64> {
         let channel = &self.channel;
         let layout = &channel.state.place.layout;
         let slot = match axes {
@@ -205,18 +205,24 @@ impl Kernel<'_> {
             Some(axes) => layout.cartesian.get(usize::from(*axes.get(at)?)).copied().flatten()?,
         };
         let values = match frame {
-            Frame::Local => local_shift(&self.channel),
-            Frame::BlockEnd => channel.state.place.programmed(),
-            Frame::Machine => channel.state.place.machine_point(&channel.state.place.position),
-            Frame::Work => sum(channel.state.place.programmed(), channel.tool_shift()),
-            Frame::Skip => sum(channel.state.skip.end, channel.tool_shift()),
-            Frame::Tool => channel.tool_shift(),
-            Frame::Wear => self.in_force(Table::Wear),
-            Frame::Geometry => self.in_force(Table::Length),
-            Frame::Zero => [0.0; MAX_AXES],
+            PositionReference::Local => local_shift(&self.channel),
+            PositionReference::BlockEnd => channel.state.place.programmed(),
+            PositionReference::Machine => channel.state.place.machine_point(&channel.state.place.position),
+            PositionReference::Work => sum(channel.state.place.programmed(), channel.tool_shift()),
+            PositionReference::Skip => sum(channel.state.skip.end, channel.tool_shift()),
+            PositionReference::Tool => channel.tool_shift(),
+            PositionReference::Wear => self.in_force(OffsetTable::Wear),
+            PositionReference::Geometry => self.in_force(OffsetTable::Length),
+            PositionReference::Zero => [0.0; MAX_AXES],
         };
-        let places = matches!(frame, Frame::BlockEnd | Frame::Machine | Frame::Work | Frame::Skip);
-        let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != Turn::Position;
+        let places = matches!(
+            frame,
+            PositionReference::BlockEnd
+                | PositionReference::Machine
+                | PositionReference::Work
+                | PositionReference::Skip
+        );
+        let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != RotaryPositioning::Position;
         if places && rolls && channel.state.place.polar().is_none() {
             // The control counts the angle alone.
             return Some(values.at(slot).rem_euclid(360.0));
@@ -224,7 +230,7 @@ impl Kernel<'_> {
         Some(values.at(slot) / self.length_factor(slot))
     }
 
-    fn in_force(&self, table: Table) -> Position {
+    fn in_force(&self, table: OffsetTable) -> Position {
         let number = self.channel.state.place.in_force.tool_offset;
         if number == BASE { [0.0; MAX_AXES] } else { self.channel.offset_values(table, number) }
     }
@@ -237,55 +243,55 @@ impl Kernel<'_> {
 
     fn work_offset_of(&self, number: u32, axis: u32) -> Option<f64> {
         let slot = self.channel.state.place.layout.axes.id(axis as usize)?;
-        Some(self.channel.offset_values(Table::Work, number).at(slot) / self.length_factor(slot))
+        Some(self.channel.offset_values(OffsetTable::Work, number).at(slot) / self.length_factor(slot))
     }
 
     fn set_work_offset(&mut self, number: u32, axis: u32, value: f64) -> Result<(), NotThere> {
         let Some(slot) = self.channel.state.place.layout.axes.id(axis as usize) else {
             return Err(NotThere::Missing);
         };
-        let mut values = self.channel.offset_values(Table::Work, number);
+        let mut values = self.channel.offset_values(OffsetTable::Work, number);
         *values.at_mut(slot) = value * self.length_factor(slot);
-        if self.set_offset(Table::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
+        if self.set_offset(OffsetTable::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
     }
 
-    fn tool_offset(&self, column: Column, wear: bool, number: u32) -> Option<f64> {
+    fn tool_offset(&self, column: OffsetColumn, wear: bool, number: u32) -> Option<f64> {
         let channel = &self.channel;
         let (table, radii) = tables(wear);
         let length = channel.unit_factor(Dimension::Length);
         match column {
-            Column::Axis(role) => {
+            OffsetColumn::Axis(role) => {
                 Some(channel.offset_values(table, number).at(tool_axis(&self.channel.state.place, role)?) / length)
             }
-            Column::Radius => Some(channel.offset_radius(radii, number) / length),
-            Column::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
-            Column::Tip => Some(f64::from(channel.offset_tip(number))),
+            OffsetColumn::Radius => Some(channel.offset_radius(radii, number) / length),
+            OffsetColumn::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
+            OffsetColumn::Tip => Some(f64::from(channel.offset_tip(number))),
         }
     }
 
-    fn set_tool_offset(&mut self, column: Column, wear: bool, number: u32, value: f64) -> Result<(), NotThere> {
+    fn set_tool_offset(&mut self, column: OffsetColumn, wear: bool, number: u32, value: f64) -> Result<(), NotThere> {
         if value.abs() > LARGEST_OFFSET {
             return Err(NotThere::TooBig);
         }
         let (table, radii) = tables(wear);
         let length = self.channel.unit_factor(Dimension::Length);
         let done = match column {
-            Column::Axis(role) => {
+            OffsetColumn::Axis(role) => {
                 let Some(slot) = tool_axis(&self.channel.state.place, role) else { return Err(NotThere::Missing) };
                 let mut values = self.channel.offset_values(table, number);
                 *values.at_mut(slot) = value * length;
                 self.set_offset(table, number, values)
             }
-            Column::Radius => self.channel.set_offset_radius(radii, number, value * length),
-            Column::Diameter => self.channel.set_offset_radius(radii, number, value * length / 2.0),
-            Column::Tip => self.channel.state.place.offsets.get_or_insert_default().set_tip(number, value),
+            OffsetColumn::Radius => self.channel.set_offset_radius(radii, number, value * length),
+            OffsetColumn::Diameter => self.channel.set_offset_radius(radii, number, value * length / 2.0),
+            OffsetColumn::Tip => self.channel.state.place.offsets.get_or_insert_default().set_tip(number, value),
         };
         if done { Ok(()) } else { Err(NotThere::TooBig) }
     }
 }
 
-fn tables(wear: bool) -> (Table, Radii) {
-    if wear { (Table::Wear, Radii::Wear) } else { (Table::Length, Radii::Cutter) }
+fn tables(wear: bool) -> (OffsetTable, Radii) {
+    if wear { (OffsetTable::Wear, Radii::Wear) } else { (OffsetTable::Length, Radii::Cutter) }
 }
 
 fn sum(mut values: Position, more: Position) -> Position {
@@ -341,7 +347,7 @@ fn month_days(year: u32, month: u32) -> u32 {
     }
 }
 
-fn local_shift(channel: &Channel<'_>) -> Position {
+fn local_shift(channel: &ChannelContext<'_>) -> Position {
     let mut values = channel.state.place.beside_shift();
     let shift = channel.state.place.frame_values().translation;
     for (slot, value) in channel.state.place.layout.cartesian.iter().zip(shift) {
@@ -352,7 +358,7 @@ fn local_shift(channel: &Channel<'_>) -> Position {
     values
 }
 
-pub(super) fn tool_axis(place: &Place, role: u8) -> Option<AxisSlot> {
+pub(super) fn tool_axis(place: &MotionState, role: u8) -> Option<AxisSlot> {
     place.layout.cartesian.get(usize::from(role)).copied().flatten()
 }
 

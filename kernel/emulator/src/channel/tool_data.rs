@@ -5,12 +5,12 @@
 //! all that is known about its tool, and is made only when that has changed; the tables of a run that ends are reported
 //! in the order of `$TLSORT`.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::macros::store::column;
 use crate::macros::tool_table::sort_column;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
 use counterpoint_event::event::{Kind, ToolData};
@@ -79,10 +79,10 @@ impl Kernel<'_> {
         let facts = self.channel.env.machine.tool.facts(tool);
         let before = self.channel.state.others.tools.reported.get(&tool);
         let written = |column| self.macros.tools.cell(&self.macros.variables.store, tool, column);
-        let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
+        let number = |column| written(column).and_then(MacroValue::as_real).filter(|value| value.is_finite());
         let (diameter, radius) =
             if tool == self.channel.state.place.tools.current { offset_in_force(&self.channel) } else { (None, None) };
-        let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
+        let name = written(column::NAME).and_then(MacroValue::as_text).map(str::trim).filter(|name| !name.is_empty());
         let name = name.or(facts.map(|facts| facts.name.as_str()).filter(|name| !name.is_empty()));
         let name = name.or_else(|| self.channel.state.others.tools.called.name_of(tool)).unwrap_or_default();
         let name: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -99,7 +99,7 @@ impl Kernel<'_> {
 
 /// Diameter and corner radius by the active offset: the nose radius of a turning tool, or half the diameter of a
 /// cutter while its path is compensated.
-fn offset_in_force(channel: &Channel<'_>) -> (Option<f64>, Option<f64>) {
+fn offset_in_force(channel: &ChannelContext<'_>) -> (Option<f64>, Option<f64>) {
     let some = |value: f64| Some(value).filter(|value| *value > 0.0);
     if channel.env.machine.tool.offset_digits > 0 {
         return (None, some(channel.offset_radius(Radii::Cutter, channel.state.place.in_force.tool_offset)));

@@ -9,22 +9,22 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::{AxisId, AxisSlot, BySlot};
 use counterpoint_motion::arc;
-use counterpoint_motion::space::Circle;
+use counterpoint_motion::space::SpaceArc;
 use counterpoint_program::block::Word;
 
 use super::Kernel;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::position::FIRST_AXES;
 
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);
 
 /// A circle in a plane: its axes, the circle in radius values, and the factors to those.
-type Round = ([AxisSlot; 2], arc::Arc, [f64; 2]);
+type Round = ([AxisSlot; 2], arc::PlaneArc, [f64; 2]);
 
 /// Which limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Limits {
+enum LimitKind {
     /// Those of the machine.
     Travel,
     /// Those of the program.
@@ -93,13 +93,13 @@ impl Kernel<'_> {
     #[cold]
     #[inline(never)]
     fn measure_travel(&mut self, motion: &Motion) {
-        let over = self.leads_beyond(motion, Limits::Travel);
+        let over = self.leads_beyond(motion, LimitKind::Travel);
         self.report_over_travel(over);
     }
 
     /// Stops the channel before a motion that leads out of the working area.
     pub(super) fn check_area(&mut self, motion: &Motion) -> Acted {
-        let Some((axis, at, [low, high])) = self.leads_beyond(motion, Limits::Area) else { return Ok(()) };
+        let Some((axis, at, [low, high])) = self.leads_beyond(motion, LimitKind::Area) else { return Ok(()) };
         let name = &self.channel.env.machine.axes[axis].name;
         let bound = if at > high { high } else { low };
         let text = format!(
@@ -111,7 +111,7 @@ impl Kernel<'_> {
         self.channel.check_stop()
     }
 
-    fn leads_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
+    fn leads_beyond(&self, motion: &Motion, limits: LimitKind) -> Option<Over> {
         let over = beyond(&self.channel, &motion.to, NOISE, limits).or_else(|| match motion.kind {
             MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion, limits),
             MotionKind::ArcSpace => swings_beyond_in_space(&self.channel, motion, limits),
@@ -126,7 +126,7 @@ impl Kernel<'_> {
 
     /// The linear axes follow the rotary ones under tool tip control: looks at places along the move.
     #[cold]
-    fn follows_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
+    fn follows_beyond(&self, motion: &Motion, limits: LimitKind) -> Option<Over> {
         let chain = &self.channel.state.place.tip()?.chain;
         let joints = chain.tables.iter().chain(&chain.heads).map(|joint| joint.axis);
         let turned: f64 = joints.map(|axis| (motion.to.at(axis) - motion.from.at(axis)).abs()).sum();
@@ -179,7 +179,7 @@ impl Kernel<'_> {
 
     /// Reports axes that stand beyond their limits.
     pub(super) fn check_limits_of_axes(&mut self, at: &Position) {
-        let over = beyond(&self.channel, at, NOISE, Limits::Travel);
+        let over = beyond(&self.channel, at, NOISE, LimitKind::Travel);
         self.report_over_travel(over);
     }
 
@@ -187,9 +187,10 @@ impl Kernel<'_> {
     /// radius.
     #[cold]
     pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
-        if self.channel.state.place.layout.bounds.limited && beyond(&self.channel, to, NOISE, Limits::Travel).is_none()
+        if self.channel.state.place.layout.bounds.limited
+            && beyond(&self.channel, to, NOISE, LimitKind::Travel).is_none()
         {
-            let over = turns_beyond(&self.channel, to, axis, values, (NOISE, Limits::Travel));
+            let over = turns_beyond(&self.channel, to, axis, values, (NOISE, LimitKind::Travel));
             self.report_over_travel(over);
             if self.channel.state.place.layout.bounds.stop {
                 return self.channel.check_stop();
@@ -200,7 +201,7 @@ impl Kernel<'_> {
 
     /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may
     /// be, too.
-    fn swings_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
+    fn swings_beyond(&self, motion: &Motion, limits: LimitKind) -> Option<Over> {
         let (axes, made, scales) = self.round(motion)?;
         let to = [motion.to.at(axes[0]) * scales[0], motion.to.at(axes[1]) * scales[1]];
         let slack = made.end_error(to) + NOISE;
@@ -241,7 +242,7 @@ fn whole_number(kernel: &Kernel<'_>, word: &Word, axis: &str) -> Option<String> 
 /// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
 /// open.
 #[inline(always)]
-fn stays_within_travel(channel: &Channel<'_>, motion: &Motion) -> bool {
+fn stays_within_travel(channel: &ChannelContext<'_>, motion: &Motion) -> bool {
     let swing = match motion.kind {
         MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => 0.0,
         MotionKind::ArcCw | MotionKind::ArcCcw => {
@@ -266,17 +267,17 @@ fn stays_within_travel(channel: &Channel<'_>, motion: &Motion) -> bool {
 }
 
 /// The last axis of the channel that is beyond its limits at a place.
-fn beyond(channel: &Channel<'_>, place: &Position, slack: f64, limits: Limits) -> Option<Over> {
+fn beyond(channel: &ChannelContext<'_>, place: &Position, slack: f64, limits: LimitKind) -> Option<Over> {
     let point = match limits {
-        Limits::Travel => channel.state.place.machine_point(place),
-        Limits::Area => channel.basic_point(place)?,
+        LimitKind::Travel => channel.state.place.machine_point(place),
+        LimitKind::Area => channel.basic_point(place)?,
     };
     let layout = &channel.state.place.layout;
     layout.axes.entries().rev().find_map(|(slot, axis)| {
         let at = point.at(slot);
         let (low, high) = match limits {
-            Limits::Travel => axis.limits?,
-            Limits::Area => channel.area_of(slot)?,
+            LimitKind::Travel => axis.limits?,
+            LimitKind::Area => channel.area_of(slot)?,
         };
         (at < low - slack || at > high + slack).then_some((axis.machine, at, [low, high]))
     })
@@ -284,11 +285,11 @@ fn beyond(channel: &Channel<'_>, place: &Position, slack: f64, limits: Limits) -
 
 /// The same for places where one axis turns back, in radius values.
 fn turns_beyond(
-    channel: &Channel<'_>,
+    channel: &ChannelContext<'_>,
     to: &Position,
     axis: AxisSlot,
     values: [Option<f64>; 2],
-    (slack, limits): (f64, Limits),
+    (slack, limits): (f64, LimitKind),
 ) -> Option<Over> {
     let scale = channel.state.place.layout.axes[axis].scale;
     values.into_iter().flatten().find_map(|value| {
@@ -298,11 +299,11 @@ fn turns_beyond(
     })
 }
 
-fn swings_beyond_in_space(channel: &Channel<'_>, motion: &Motion, limits: Limits) -> Option<Over> {
+fn swings_beyond_in_space(channel: &ChannelContext<'_>, motion: &Motion, limits: LimitKind) -> Option<Over> {
     let layout = &channel.state.place.layout;
     let scale = |axis: AxisSlot| layout.axes[axis].scale;
     let point = |place: &Position| layout.cartesian.map(|axis| axis.map_or(0.0, |axis| place.at(axis) * scale(axis)));
-    let circle = Circle::bulging(point(&motion.from), point(&motion.to), motion.center).ok()?;
+    let circle = SpaceArc::bulging(point(&motion.from), point(&motion.to), motion.center).ok()?;
     (0..).zip(layout.cartesian).find_map(|(side, axis)| {
         let values =
             circle.turning_points(side).map(|share| share.and_then(|share| circle.at(share).get(side).copied()));

@@ -1,7 +1,7 @@
 //! The unit in which words are read, selected by a variable instead of a code.
 
 use counterpoint_event::event::Kind;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;
 
 use crate::channel::Kernel;
@@ -13,7 +13,7 @@ pub(crate) fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) {
     kernel.channel.reports.unit_named = true;
     if kernel.channel.state.secondary != secondary {
         kernel.channel.state.secondary = secondary;
-        let inch = (kernel.channel.env.machine.unit == Unit::Inch) != secondary;
+        let inch = (kernel.channel.env.machine.unit == MachineUnit::Inch) != secondary;
         kernel.channel.emit(0, Kind::mode(if inch { "units inch" } else { "units mm" }));
     }
 }

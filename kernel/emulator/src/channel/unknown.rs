@@ -7,11 +7,11 @@
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::text;
 use counterpoint_dialect::Unknown;
 use counterpoint_fault::Acted;
-use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeForm;
@@ -118,7 +118,7 @@ impl Kernel<'_> {
     }
 
     /// The control's alarm for unknown text.
-    fn not_known(&self, text: &str) -> (&'static Facts, String) {
+    fn not_known(&self, text: &str) -> (&'static DiagnosticFacts, String) {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);
         let dialect = self.dialect.kind;
@@ -222,7 +222,7 @@ pub(super) fn shortened(text: &str) -> String {
 }
 
 /// Whether a code of the block takes a program name.
-fn calls_by_name(channel: &Channel<'_>) -> bool {
+fn calls_by_name(channel: &ChannelContext<'_>) -> bool {
     let mut rows = channel.block.pending.iter().map(|pending| &channel.env.machine.codes[pending.row]);
     rows.any(|row| row.id == codes::CALSUB_ID)
 }

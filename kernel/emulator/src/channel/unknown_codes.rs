@@ -3,10 +3,10 @@
 //! *Invariant:* the machine has the name by which the job knows it; on a composite the message also names the
 //! components.
 
-use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{self as diag, DiagnosticFacts};
 
 use super::Kernel;
-use super::components::Component;
+use super::components::PreparedComponent;
 use super::unknown::shortened;
 
 impl<'a> Kernel<'a> {
@@ -30,7 +30,7 @@ impl<'a> Kernel<'a> {
 
     /// Remedy for a code without a row on the machine: the program is wrong, the definition lacks the code, or another
     /// component has it.
-    pub(super) fn remedy(&self, facts: &Facts, text: &str) -> String {
+    pub(super) fn remedy(&self, facts: &DiagnosticFacts, text: &str) -> String {
         if facts.number != diag::UNKNOWN_CODE.number {
             return String::new();
         }
@@ -52,7 +52,7 @@ impl<'a> Kernel<'a> {
     }
 
     /// Another component that has the code.
-    fn component_with(&self, text: &str) -> Option<&'a Component<'a>> {
+    fn component_with(&self, text: &str) -> Option<&'a PreparedComponent<'a>> {
         let letter = text.get(..1)?;
         let number: f64 = text.get(1..)?.trim().parse().ok()?;
         let now = self.components.turns.now;

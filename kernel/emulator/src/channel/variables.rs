@@ -9,9 +9,9 @@ use super::Kernel;
 use super::access::Door;
 use super::system_variables::SystemValues;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
-use counterpoint_machine::model::Variables;
-use counterpoint_sync::races::Mode;
-use counterpoint_sync::separate::Uses;
+use counterpoint_machine::model::ProgramVariables;
+use counterpoint_sync::races::AccessMode;
+use counterpoint_sync::separate::SeparateVariableUses;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -26,7 +26,7 @@ pub(crate) struct ChannelVariables {
     /// Writes, calls and returns so far.
     writes: u64,
     /// Separate variables that the channel has read without a value, and written; kept if other channels also run.
-    pub(super) uses: Uses,
+    pub(super) uses: SeparateVariableUses,
     /// Variables without a value, and variables that do not exist, are 0.
     pub(super) reads_zero: bool,
     /// System variables that programs write keep their values; otherwise the identification macro is asked where to
@@ -45,7 +45,7 @@ impl Default for ChannelVariables {
             own: FxHashMap::default(),
             print: 0,
             writes: 0,
-            uses: Uses::default(),
+            uses: SeparateVariableUses::default(),
             reads_zero: false,
             keeps_system: false,
             kept: FxHashMap::default(),
@@ -56,7 +56,7 @@ impl Default for ChannelVariables {
 
 impl ChannelVariables {
     /// With the values that variables of the channel have at the start.
-    pub(crate) fn new(variables: &Variables) -> Self {
+    pub(crate) fn new(variables: &ProgramVariables) -> Self {
         let own = variables.system.initial.iter().copied().filter(|&(number, _)| within(&variables.channel, number));
         Self { own: own.collect(), system: SystemValues::new(&variables.system), ..Self::default() }
     }
@@ -165,7 +165,7 @@ impl Kernel<'_> {
             0 | 3100 => Ok(VACANT),
             1..=33 => Ok(self.dialect.variables.local(index)),
             _ if within(&self.channel.env.machine.variables.shared, index) => self
-                .access(Door::Common(index), Mode::Read, |shared| {
+                .access(Door::Common(index), AccessMode::Read, |shared| {
                     shared.variables.get(&index).copied().unwrap_or(VACANT)
                 })
                 .map_err(NotThere::Halt),
@@ -199,7 +199,7 @@ impl Kernel<'_> {
                 Ok(())
             }
             _ if within(&self.channel.env.machine.variables.shared, index) => self
-                .access(Door::Common(index), Mode::Write, |shared| {
+                .access(Door::Common(index), AccessMode::Write, |shared| {
                     if is_vacant(value) {
                         shared.variables.remove(&index);
                     } else {

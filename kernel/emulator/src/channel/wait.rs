@@ -9,29 +9,29 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::state::channel::Channel;
-use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
+use crate::state::channel::ChannelContext;
+use counterpoint_event::event::{Kind, Primitive, Release, Verdict, WaitArrival};
 use counterpoint_fault as diag;
-use counterpoint_ports::control::State;
+use counterpoint_ports::control::ChannelActivity;
 use counterpoint_sync::Letter;
-use counterpoint_sync::coordinator::turn::Met;
+use counterpoint_sync::coordinator::turn::MeetOutcome;
 use counterpoint_sync::order::Wake;
-use counterpoint_sync::order::arrive::After;
-use counterpoint_sync::order::idle::Program;
+use counterpoint_sync::order::arrive::ArrivalReply;
+use counterpoint_sync::order::idle::StartableProgram;
 use counterpoint_sync::tag::Tag;
-use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
-use counterpoint_sync::waits::Short;
+use counterpoint_sync::wait::{self, Finish, Terminal, WaitingChannel};
+use counterpoint_sync::waits::ShortfallReason;
 use counterpoint_waits::is_passed_in_motion;
 
 impl Kernel<'_> {
     /// Selects the program of another channel, or none.
-    pub(crate) fn select(&mut self, channel: u16, program: Option<Program>) -> Acted {
+    pub(crate) fn select(&mut self, channel: u16, program: Option<StartableProgram>) -> Acted {
         self.flow.pass.effects = true;
         self.shared(|order| order.select(channel, program))?.map_err(|reason| not_startable(self, &reason))
     }
 
     /// Starts the selected programs of other channels.
-    pub(crate) fn start(&mut self, channels: wait::Set) -> Acted {
+    pub(crate) fn start(&mut self, channels: wait::ChannelSet) -> Acted {
         self.flow.pass.effects = true;
         let tag = self.channel.tag();
         self.shared(|order| order.start(tag, channels))?.map_err(|reason| not_startable(self, &reason))
@@ -80,16 +80,16 @@ impl Kernel<'_> {
     }
 
     /// Executes an act at which other channels may continue; it is shown as this wait would be.
-    pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
+    pub(crate) fn let_continue(&mut self, act: wait::WaitOp, shown: wait::Wait) -> Acted {
         self.channel.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
+        self.note_order(!matches!(act, wait::WaitOp::Signal(_)), None)?;
         let what = match act {
-            wait::Act::Set(_) | wait::Act::Signal(_) => "set",
-            wait::Act::Clear(_) | wait::Act::Remove { .. } => "clear",
-            wait::Act::Release(_) => "release",
-            wait::Act::Take(_) => "take",
-            wait::Act::Give { .. } => "give",
+            wait::WaitOp::Set(_) | wait::WaitOp::Signal(_) => "set",
+            wait::WaitOp::Clear(_) | wait::WaitOp::Remove { .. } => "clear",
+            wait::WaitOp::Release(_) => "release",
+            wait::WaitOp::Take(_) => "take",
+            wait::WaitOp::Give { .. } => "give",
         };
         show(self, &shown, what);
         let tag = self.channel.tag();
@@ -97,11 +97,11 @@ impl Kernel<'_> {
     }
 
     /// Sends a signal with values, or removes signals.
-    pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
+    pub(crate) fn signal(&mut self, act: wait::WaitOp, letter: Option<Letter>, shown: wait::Wait) -> Acted {
         self.channel.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
-        show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
+        self.note_order(!matches!(act, wait::WaitOp::Signal(_)), None)?;
+        show(self, &shown, if matches!(act, wait::WaitOp::Signal(_)) { "set" } else { "clear" });
         let tag = self.channel.tag();
         self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
             let text = format!("250001 {reason}, in '{}'", self.channel.block_text());
@@ -175,7 +175,7 @@ pub(super) fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
 
 /// A wait as it is in the log.
 struct Logged {
-    wait: Arc<Wait>,
+    wait: Arc<WaitArrival>,
     since_ns: i64,
 }
 
@@ -195,9 +195,9 @@ impl Logged {
 }
 
 /// Where the channel arrives, and how it ends if the control refuses that.
-fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
+fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (WaitingChannel, Finish) {
     let SourcePlace { file, line } = kernel.channel.at.user_place();
-    (Waiting { wait, tag: kernel.channel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
+    (WaitingChannel { wait, tag: kernel.channel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
 }
 
 impl Kernel<'_> {
@@ -216,21 +216,21 @@ impl Kernel<'_> {
         self.channel.emitter.emit_during(&self.channel.at, (brakes, 0), Kind::Wait(logged.wait.clone()));
         let SourcePlace { file, line } = self.channel.at.user_place();
         let own = Finish { how: Terminal::Alarmed, file, line };
-        let (waiting, info) = (Waiting { wait, tag, file, line }, self.channel.env.info);
+        let (waiting, info) = (WaitingChannel { wait, tag, file, line }, self.channel.env.info);
         let (after, warning) = self.in_order(tag, |order| order.arrive_in_motion(waiting, own, info))?;
         let (after, wake) = match after {
-            After::Stand(_) => {
+            ArrivalReply::Stand(_) => {
                 // Channels that arrive at the same instant are in time.
                 let stop = Tag { micro: u32::MAX, ..tag };
                 match self.in_order(stop, |order| order.stops(stop, info))? {
-                    Ok(wake) => (After::Stand(None), Some(wake)),
-                    Err(verdict) => (After::Stand(verdict), None),
+                    Ok(wake) => (ArrivalReply::Stand(None), Some(wake)),
+                    Err(verdict) => (ArrivalReply::Stand(verdict), None),
                 }
             }
             after => (after, None),
         };
         let passed = match (&after, &wake) {
-            (After::Go { t, micro, sync_point, short: None }, _) => {
+            (ArrivalReply::Go { t, micro, sync_point, short: None }, _) => {
                 Some((*t, *micro, *sync_point, self.channel.at.channel))
             }
             (_, Some(Wake::Released { tag, sync_point, by, short: None, .. })) => {
@@ -249,7 +249,7 @@ impl Kernel<'_> {
         }
         match (after, wake) {
             (_, Some(wake)) => woken(self, wake, &logged),
-            (After::Stand(verdict), None) => stand(self, verdict, &logged),
+            (ArrivalReply::Stand(verdict), None) => stand(self, verdict, &logged),
             (after, None) => follow(self, after, &logged),
         }
     }
@@ -272,14 +272,14 @@ fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
     );
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let (after, warning) = match met {
-        Met::Woken(wake) => return woken(kernel, wake, &logged),
-        Met::Turn(mut turn) => turn.arrive(waiting, own, info),
+        MeetOutcome::Woken(wake) => return woken(kernel, wake, &logged),
+        MeetOutcome::Turn(mut turn) => turn.arrive(waiting, own, info),
     };
     if let Some(text) = warning {
         kernel.diagnose(&diag::WAIT_LISTS, text);
     }
     match after {
-        After::Stand(verdict) => stand(kernel, verdict, &logged),
+        ArrivalReply::Stand(verdict) => stand(kernel, verdict, &logged),
         after => follow(kernel, after, &logged),
     }
 }
@@ -300,11 +300,11 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Option<
             show(kernel, &wait, "go");
             return Ok(Some(letters));
         }
-        Err(After::Illegal { text }) => return Err(impossible(kernel, &text)),
+        Err(ArrivalReply::Illegal { text }) => return Err(impossible(kernel, &text)),
         Err(after) => {
             let logged = Logged::new(kernel, &wait, since_ns);
             match after {
-                After::Stand(verdict) => stand(kernel, verdict, &logged)?,
+                ArrivalReply::Stand(verdict) => stand(kernel, verdict, &logged)?,
                 after => follow(kernel, after, &logged)?,
             }
         }
@@ -313,7 +313,7 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Option<
 }
 
 /// Waits for something that comes by itself.
-pub(super) fn wait_until(kernel: &mut Kernel<'_>, wait: wait::Wait, after: After) -> Acted {
+pub(super) fn wait_until(kernel: &mut Kernel<'_>, wait: wait::Wait, after: ArrivalReply) -> Acted {
     let logged = Logged::new(kernel, &wait, kernel.channel.at.clock);
     follow(kernel, after, &logged)
 }
@@ -328,22 +328,22 @@ fn wait_for_signals(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Vec<Let
 }
 
 /// Executes the effect of an arrival that leaves nothing to wait for.
-fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
+fn follow(kernel: &mut Kernel<'_>, after: ArrivalReply, logged: &Logged) -> Acted {
     match after {
-        After::Go { t, micro, sync_point, short } => {
-            kernel.ports.progress.set_state(State::Running);
+        ArrivalReply::Go { t, micro, sync_point, short } => {
+            kernel.ports.progress.set_state(ChannelActivity::Running);
             let release = logged.release(sync_point, kernel.channel.at.channel);
             go_on(kernel, (t, micro), release);
             report_short(kernel, short);
             Ok(())
         }
-        After::Alarm { text, verdict } => {
+        ArrivalReply::Alarm { text, verdict } => {
             let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
             kernel.log_verdict(verdict);
             Err(halt)
         }
-        After::Illegal { text } => Err(impossible(kernel, &text)),
-        After::Stand(_) => Ok(()),
+        ArrivalReply::Illegal { text } => Err(impossible(kernel, &text)),
+        ArrivalReply::Stand(_) => Ok(()),
     }
 }
 
@@ -351,7 +351,7 @@ fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
 fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
     match wake {
         Wake::Released { tag, sync_point, by, all, short } => {
-            kernel.ports.progress.set_state(State::Running);
+            kernel.ports.progress.set_state(ChannelActivity::Running);
             if all {
                 kernel.channel.emitter.all_reached(tag.t);
             }
@@ -396,12 +396,12 @@ fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
 }
 
 /// Reports that a counted wait has synchronised nothing.
-fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
+fn report_short(kernel: &mut Kernel<'_>, short: Option<ShortfallReason>) {
     let Some(short) = short else { return };
     let block = kernel.channel.block_text();
     let text = match short {
-        Short::Ended => format!("no partner is left for '{block}'; the channel continues without waiting"),
-        Short::Elsewhere => {
+        ShortfallReason::Ended => format!("no partner is left for '{block}'; the channel continues without waiting"),
+        ShortfallReason::Elsewhere => {
             format!("the partner of '{block}' waits at an order number; the channel continues without waiting")
         }
     };
@@ -415,7 +415,7 @@ fn show(kernel: &mut Kernel<'_>, wait: &wait::Wait, what: &str) {
 }
 
 /// When a channel continues that is released at a time, but no earlier than it has come to rest.
-fn at_rest_after(channel: &Channel<'_>, (t, micro): (i64, u32)) -> (i64, u32) {
+fn at_rest_after(channel: &ChannelContext<'_>, (t, micro): (i64, u32)) -> (i64, u32) {
     let at = &channel.at;
     if t < at.clock { (at.clock, at.micro) } else { (t, micro) }
 }

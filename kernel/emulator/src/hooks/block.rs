@@ -7,19 +7,19 @@ use crate::state::text;
 use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::channel::hook_points::Edited;
+use crate::channel::hook_points::BlockTreatment;
 use crate::host::block;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::pipeline::edit;
-use crate::trace::{self, Stage};
+use crate::trace::{self, TextStage};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::rows::Point;
-use counterpoint_program::scan::Scanner;
+use counterpoint_machine::rows::DecimalPointRule;
+use counterpoint_program::scan::LineScanner;
 
 /// Macros that get the text of the words.
 const READERS: [Hook; 4] =
@@ -27,24 +27,24 @@ const READERS: [Hook; 4] =
 
 impl Kernel<'_> {
     /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
-    pub(crate) fn edit_block(&mut self) -> Result<Edited, Halt> {
+    pub(crate) fn edit_block(&mut self) -> Result<BlockTreatment, Halt> {
         self.note_mark();
         let may_embed = self.has_embedded(0) || self.has_embedded(1);
         if may_embed {
             self.delete_around_code();
         }
         if may_embed && self.embedded(0)? && self.channel.text_bytes().trim_ascii().is_empty() {
-            return Ok(Edited::Dropped);
+            return Ok(BlockTreatment::Dropped);
         }
         let preprocess = self.plan.scanner.has_preprocessor();
-        let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
+        let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != BlockDecision::Drop;
         self.channel.context.preprocessed = preprocess;
-        Ok(if preprocess { Edited::Preprocess } else { Edited::Plain })
+        Ok(if preprocess { BlockTreatment::Preprocess } else { BlockTreatment::Plain })
     }
 
     /// Pre-Processor Shutdown after a block of plain words.
     pub(crate) fn after_preprocessor(&mut self) -> Acted {
-        if self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
+        if self.block_macro(Hook::PreprocessorShutdown)? == BlockDecision::Edited {
             self.split_again();
         }
         Ok(())
@@ -57,7 +57,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         self.channel.context.text = Some(Arc::default());
-        let edited = self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited;
+        let edited = self.block_macro(Hook::PreprocessorShutdown)? == BlockDecision::Edited;
         if !edited || self.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
@@ -124,7 +124,10 @@ impl Kernel<'_> {
                 _ => &register.before,
             };
             text.push_str(&format!("{before}{}", word.value));
-            if word.value.fract() == 0.0 && register.format.frac > 0 && register.format.point != Point::Fractional {
+            if word.value.fract() == 0.0
+                && register.format.frac > 0
+                && register.format.point != DecimalPointRule::Fractional
+            {
                 text.push('.');
             }
             text.push_str(&register.after);
@@ -149,7 +152,7 @@ impl Kernel<'_> {
     /// The scanner for the text of the block in process, if not the plan's: text made by the pre-processor undergoes no
     /// block delete.
     #[inline]
-    pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
+    pub(crate) fn block_scanner(&self) -> Option<Arc<LineScanner>> {
         self.plan.hooks?;
         let runtime = &*self.macros;
         match &self.plan.unmarked {
@@ -165,7 +168,7 @@ impl Kernel<'_> {
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
         let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
-        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, syntax, &levels)));
+        self.macros.reading.switched = Some(Arc::new(LineScanner::new(machine, syntax, &levels)));
         // Lines compiled before have the parts that were skipped then.
         self.forget_lines();
     }
@@ -177,48 +180,48 @@ impl Kernel<'_> {
         }
         let changed = self.embedded(1)?;
         match self.block_macro(Hook::BlockStartup)? {
-            Verdict::Drop => return Ok(false),
-            Verdict::Edited => {
+            BlockDecision::Drop => return Ok(false),
+            BlockDecision::Edited => {
                 self.split_again();
                 self.trace('E', |kernel| {
-                    trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.channel.text_bytes()))
+                    trace::edited(TextStage::BlockMacro, &String::from_utf8_lossy(&kernel.channel.text_bytes()))
                 });
             }
-            Verdict::Go if changed => self.split_again(),
-            Verdict::Go => {}
+            BlockDecision::Go if changed => self.split_again(),
+            BlockDecision::Go => {}
         }
         Ok(!self.channel.text_bytes().trim_ascii().is_empty())
     }
 
     /// Runs a macro with the arguments of block macros: flag, text, number of the block.
-    fn block_macro(&mut self, hook: Hook) -> Result<Verdict, Halt> {
+    fn block_macro(&mut self, hook: Hook) -> Result<BlockDecision, Halt> {
         let runtime = &*self.macros;
-        let Some(code) = runtime.ready(hook) else { return Ok(Verdict::Go) };
+        let Some(code) = runtime.ready(hook) else { return Ok(BlockDecision::Go) };
         let asks = runtime.calls.uses(code, 2);
-        let text = if asks { self.text_value() } else { Value::Null };
-        let given = if let Value::Text(text) = &text { Some(Arc::clone(text)) } else { None };
-        let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.channel.at.line))];
-        self.run_macro(code, Task::None, &mut arguments)?;
+        let text = if asks { self.text_value() } else { MacroValue::Null };
+        let given = if let MacroValue::Text(text) = &text { Some(Arc::clone(text)) } else { None };
+        let mut arguments = [MacroValue::Real(1.0), text, MacroValue::Real(f64::from(self.channel.at.line))];
+        self.run_macro(code, OutputTask::None, &mut arguments)?;
         let [flag, text, _] = arguments;
         let drops = flag.as_real() == Some(0.0);
         let verdict = match (given, text) {
-            (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
+            (Some(given), MacroValue::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
                 let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
                 if length > limit {
                     let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
                     return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
                 }
                 self.channel.context.text = Some(text);
-                Verdict::Edited
+                BlockDecision::Edited
             }
-            (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
+            (Some(_), MacroValue::Text(_)) | (None, _) => BlockDecision::Go,
             (Some(_), other) => {
                 let text = format!("$P2 of the {} is {}, not a text; it is ignored", hook.title(), other.kind_name());
                 self.diagnose(&diag::MACRO_RESULT, text);
-                Verdict::Go
+                BlockDecision::Go
             }
         };
-        Ok(if drops { Verdict::Drop } else { verdict })
+        Ok(if drops { BlockDecision::Drop } else { verdict })
     }
 
     /// Left-over text after the codes: the block shutdown macro may change it.
@@ -230,10 +233,10 @@ impl Kernel<'_> {
         let asks = runtime.calls.uses(code, 2);
         let left = if asks { text::left_text(&self.channel) } else { String::new() };
         let mut arguments =
-            [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.channel.at.line))];
-        self.run_macro(code, Task::None, &mut arguments)?;
+            [MacroValue::Real(1.0), MacroValue::text(left.as_str()), MacroValue::Real(f64::from(self.channel.at.line))];
+        self.run_macro(code, OutputTask::None, &mut arguments)?;
         match &arguments[1] {
-            Value::Text(text) if **text != left => {
+            MacroValue::Text(text) if **text != left => {
                 let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
                 if length > limit {
                     let title = Hook::BlockShutdown.title();
@@ -248,15 +251,15 @@ impl Kernel<'_> {
     }
 
     /// The same for a macro.
-    pub(crate) fn text_value(&mut self) -> Value {
+    pub(crate) fn text_value(&mut self) -> MacroValue {
         let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let runtime = &mut *self.macros;
         if let Some(text) = &self.channel.context.text {
-            return Value::Text(Arc::clone(text));
+            return MacroValue::Text(Arc::clone(text));
         }
         let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
-        Value::Text(runtime.arguments.texts.with(|text| {
+        MacroValue::Text(runtime.arguments.texts.with(|text| {
             text.clear();
             match std::str::from_utf8(bytes) {
                 Ok(line) => text.push_str(line),
@@ -268,7 +271,7 @@ impl Kernel<'_> {
 
 /// Decision of a block macro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Verdict {
+enum BlockDecision {
     /// The block continues as it is.
     Go,
     /// Its text has changed.

@@ -3,16 +3,16 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts
 //! as acting (and modal) before its macro runs; codes that macros add act in this block, by their order.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::{DataMacroId, RegisterId};
 
 use crate::channel::Kernel;
-use crate::channel::hook_points::Origin;
+use crate::channel::hook_points::BlockOrigin;
 use crate::channel::plan::{NEEDED, RECALLED};
 use crate::host::block;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::macros::values::{code_value, data_value};
 use crate::pipeline::codes::data_of_code;
 use crate::state::context::Withheld;
@@ -21,13 +21,13 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
-use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::rows::CodeForm;
-use counterpoint_program::block::Datum;
 use counterpoint_program::block::PendingCode;
+use counterpoint_program::block::RetrievedValue;
 
 /// A value that has been taken, before data macros and units.
-struct Taken {
+struct TakenValue {
     value: f64,
     factor: f64,
     incremental: bool,
@@ -38,21 +38,21 @@ struct Taken {
 
 impl Kernel<'_> {
     /// Sequence numbers and marks of the block that macros can ask for.
-    pub(crate) fn begin_codes(&mut self, origin: Origin) {
+    pub(crate) fn begin_codes(&mut self, origin: BlockOrigin) {
         self.head_sequence();
         if let Some(number) = self.channel.block.sequence {
             self.macros.books.note_sequence(number);
         }
         self.channel.block.next = 0;
-        let mark = self.channel.context.mark.filter(|_| origin == Origin::Text);
+        let mark = self.channel.context.mark.filter(|_| origin == BlockOrigin::Text);
         if let Some(level) = mark {
             self.channel.block.added.push((data::OPSKIP, f64::from(level)));
         }
     }
 
     /// Block Shutdown, for a block that was a text.
-    pub(crate) fn end_codes(&mut self, origin: Origin) -> Acted {
-        if origin == Origin::Text { self.block_shutdown() } else { Ok(()) }
+    pub(crate) fn end_codes(&mut self, origin: BlockOrigin) -> Acted {
+        if origin == BlockOrigin::Text { self.block_shutdown() } else { Ok(()) }
     }
 
     /// Drops data that macros added and no code took; then reports the pending findings of macros about the program.
@@ -131,10 +131,10 @@ impl Kernel<'_> {
     }
 
     /// Whether an identifier is in the block; the code that acts counts as present.
-    fn is_present(&self, item: Item, fired: Option<CodeId>) -> bool {
+    fn is_present(&self, item: BlockIdentifier, fired: Option<CodeId>) -> bool {
         match item {
-            Item::Code(id) => Some(id) == fired || self.has_code(id),
-            Item::Data(id) => self.has_data(id),
+            BlockIdentifier::Code(id) => Some(id) == fired || self.has_code(id),
+            BlockIdentifier::Data(id) => self.has_data(id),
         }
     }
 
@@ -170,14 +170,14 @@ impl Kernel<'_> {
             return self.perform(&machine.codes[pending.row], pending);
         };
         let mut arguments = [code_value(Some(id)), value_of_code(self.channel.env.machine, pending)];
-        self.run_macro(code, Task::Code(pending, id), &mut arguments).map(|_| ())
+        self.run_macro(code, OutputTask::Code(pending, id), &mut arguments).map(|_| ())
     }
 
     /// OUTPUT of a code macro: the code that `$P1` holds now continues to the next macro or to its action.
-    pub(crate) fn output_code(&mut self, pending: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
+    pub(crate) fn output_code(&mut self, pending: PendingCode, id: CodeId, wanted: Option<&MacroValue>) -> Acted {
         let target = match wanted {
             None => id,
-            Some(value @ Value::Code(_)) => match self.code_id(value) {
+            Some(value @ MacroValue::Code(_)) => match self.code_id(value) {
                 Some(target) => target,
                 None => return Ok(()),
             },
@@ -207,7 +207,7 @@ impl Kernel<'_> {
 
     /// Takes the value of data off the block and lets every matching data macro have it.
     #[inline(never)]
-    pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<Datum> {
+    pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<RetrievedValue> {
         let block = &self.channel.block;
         let absent = (block.present | RECALLED) & self.plan.data.registers_of[id] == 0;
         if absent && block.added.is_empty() && self.channel.acting.as_data.is_none() {
@@ -226,7 +226,7 @@ impl Kernel<'_> {
             self.channel.state.remembered.remember(id, value);
         }
         self.trace_data(id, value);
-        Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
+        Some(RetrievedValue { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 
     /// Takes the value of data off the block for a macro, in the unit of the program; never a remembered value.
@@ -245,13 +245,13 @@ impl Kernel<'_> {
         Some(taken.value)
     }
 
-    fn taken(&mut self, id: DataId) -> Option<Taken> {
+    fn taken(&mut self, id: DataId) -> Option<TakenValue> {
         if let Some(handed) = self.channel.acting.as_data.take_if(|handed| handed.id == id) {
             if self.refuse_handed(handed) {
                 return None;
             }
             let (value, factor, modal) = self.accept(handed);
-            return Some(Taken { value, factor, incremental: false, raw: handed.raw, modal, register: None });
+            return Some(TakenValue { value, factor, incremental: false, raw: handed.raw, modal, register: None });
         }
         let plan = self.plan;
         for source in plan.sources_of(id) {
@@ -265,7 +265,7 @@ impl Kernel<'_> {
             let (value, dimension) = self.scaled(source, &word, raw);
             let factor = self.channel.unit_factor(dimension) * diameter;
             let register = Some(source.register);
-            return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
+            return Some(TakenValue { value, factor, incremental, raw, modal: source.modal, register });
         }
         let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
         let (_, value) = self.channel.block.added.remove(at);
@@ -275,27 +275,28 @@ impl Kernel<'_> {
         let is_x = self.plan.data.diameter_x.contains(&id);
         let diameter = if is_x { self.channel.position_factor(id, false) } else { 1.0 };
         let factor = self.channel.unit_factor(dimension) * diameter;
-        Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
+        Some(TakenValue { value, factor, incremental: false, raw: value, modal, register: None })
     }
 
     /// Runs the data macros of an identifier, in list order; none if one of them takes the value away. True if a macro
     /// says that the value is absolute in any mode.
-    fn data_macros(&mut self, id: DataId, list: &[DataMacroId], taken: &mut Taken) -> Option<bool> {
+    fn data_macros(&mut self, id: DataId, list: &[DataMacroId], taken: &mut TakenValue) -> Option<bool> {
         let relative =
             taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let mode = if relative { 2.0 } else { 1.0 };
         let register = taken.register.map(|register| &self.channel.env.machine.registers[register]);
-        let register = Value::Real(register.map_or(0.0, |register| f64::from(register.index)));
-        let mut arguments = [Value::Real(1.0), Value::Real(taken.value), data_value(id), Value::Real(mode), register];
+        let register = MacroValue::Real(register.map_or(0.0, |register| f64::from(register.index)));
+        let mut arguments =
+            [MacroValue::Real(1.0), MacroValue::Real(taken.value), data_value(id), MacroValue::Real(mode), register];
         for &at in list {
             let Some(code) = self.matching_data_macro(at) else { continue };
             let before = arguments.clone();
-            if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
+            if let Err(halt) = self.run_macro(code, OutputTask::None, &mut arguments) {
                 self.macros.calls.stop(halt);
                 break;
             }
             self.check_result(&before, &mut arguments);
-            if arguments.first().and_then(Value::as_real) == Some(0.0) {
+            if arguments.first().and_then(MacroValue::as_real) == Some(0.0) {
                 if NEEDED.contains(&id) {
                     let diagnostics = self.channel.reports.diagnostics;
                     self.channel.context.withheld = Some(Withheld { id, code, diagnostics });
@@ -322,7 +323,9 @@ impl Kernel<'_> {
         // The data that are being taken count as present; they are off the block already.
         let holds = || {
             let present = |item| match (item, self.channel.env.machine.macros.as_deref()) {
-                (Item::Data(id), Some(macros)) if macros.of_data(id).contains(&at) && !self.has_data(id) => true,
+                (BlockIdentifier::Data(id), Some(macros)) if macros.of_data(id).contains(&at) && !self.has_data(id) => {
+                    true
+                }
                 _ => self.is_present(item, None),
             };
             named.condition.is_empty() || named.condition.holds(present)
@@ -331,9 +334,9 @@ impl Kernel<'_> {
     }
 
     /// A data macro returns numbers; anything else is reported and replaced by the value before.
-    fn check_result(&mut self, before: &[Value; 5], after: &mut [Value; 5]) {
+    fn check_result(&mut self, before: &[MacroValue; 5], after: &mut [MacroValue; 5]) {
         for (at, (old, new)) in before.iter().zip(after.iter_mut()).enumerate() {
-            if at == 2 || matches!(new, Value::Real(number) if number.is_finite()) {
+            if at == 2 || matches!(new, MacroValue::Real(number) if number.is_finite()) {
                 continue;
             }
             let text = format!("$P{} of a data macro is {}, not a number; it is ignored", at + 1, new.kind_name());
@@ -367,16 +370,16 @@ impl Kernel<'_> {
     /// It made the kernel leave its program.
     pub fn plain_macro(&mut self, hook: counterpoint_machine::macros::model::Hook) -> Result<(), Halt> {
         match self.macros.ready(hook) {
-            Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
+            Some(code) => self.run_macro(code, OutputTask::None, &mut []).map(|_| ()),
             None => Ok(()),
         }
     }
 }
 
 /// `$P2` of a code macro.
-fn value_of_code(machine: &Machine, pending: PendingCode) -> Value {
+fn value_of_code(machine: &Machine, pending: PendingCode) -> MacroValue {
     match &machine.codes[pending.row].form {
-        CodeForm::Text(text) => Value::text(text.as_str()),
-        _ => Value::Real(block::code_number(machine, pending)),
+        CodeForm::Text(text) => MacroValue::text(text.as_str()),
+        _ => MacroValue::Real(block::code_number(machine, pending)),
     }
 }

@@ -5,9 +5,9 @@
 //! active. Modal codes that the new component has in the same group stay active, all others are its initial codes, and
 //! no canned cycle stays active. Blocks that EXEC/NEXT has queued are those of the new component.
 
-use counterpoint_dialect::Loops;
+use counterpoint_dialect::LoopStack;
 use counterpoint_event::event::Kind;
-use counterpoint_event::event::Message;
+use counterpoint_event::event::OperatorMessage;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::macros::model::Hook;
@@ -15,13 +15,13 @@ use counterpoint_machine::macros::model::Hook;
 use crate::channel::Kernel;
 use crate::channel::components::Resting;
 use crate::channel::dialect_state::DialectState;
-use crate::state::arc::Arcs;
+use crate::state::arc::ArcState;
 use crate::state::context::BlockContext;
 use crate::state::cycle::Cycle;
-use crate::state::modal::{Modal, group};
-use crate::state::position::Place;
-use crate::state::thread::Threads;
-use crate::state::turning::Turning;
+use crate::state::modal::{ModalCodes, group};
+use crate::state::position::MotionState;
+use crate::state::thread::ThreadingState;
+use crate::state::turning::TurningState;
 
 impl Kernel<'_> {
     /// Changes the component, if a macro has requested another one and none is running; none if nothing is to be done.
@@ -70,7 +70,7 @@ impl Kernel<'_> {
             std::mem::take(&mut self.channel.text.tape.1),
         );
         let text = format!("component {}", next.name).into();
-        self.channel.emit(0, Kind::Message(Message { text, printed: false }));
+        self.channel.emit(0, Kind::Message(OperatorMessage { text, printed: false }));
         if first {
             self.plain_macro(Hook::Declaration)?;
         }
@@ -91,7 +91,7 @@ impl Kernel<'_> {
         let next = known.unwrap_or_else(|| Resting {
             of: machine.preprocessor,
             dialect: DialectState::new(machine, !self.channel.env.options.lint),
-            loops: Loops::default(),
+            loops: LoopStack::default(),
             levels: Vec::new(),
         });
         resting.push(Resting {
@@ -142,7 +142,7 @@ impl Kernel<'_> {
     /// Adapts the state to the new definition; the memory of the machine itself stays.
     fn fit_state(&mut self, before: &Machine) {
         let machine = self.channel.env.machine;
-        let old = std::mem::replace(&mut self.channel.state.modal, Modal::new());
+        let old = std::mem::replace(&mut self.channel.state.modal, ModalCodes::new());
         let fitted = self.channel.state.remembered.fitted(before, machine);
         self.channel.state.remembered = fitted;
         self.initial_codes();
@@ -161,12 +161,12 @@ impl Kernel<'_> {
             }
         }
         state.secondary = state.says_secondary();
-        (state.cycle, state.arcs) = (Cycle::new(machine), Arcs::default());
-        *state.threads = Threads::new(machine);
-        state.others.turning = Turning::new(machine);
+        (state.cycle, state.arcs) = (Cycle::new(machine), ArcState::default());
+        *state.threads = ThreadingState::new(machine);
+        state.others.turning = TurningState::new(machine);
         let channel = machine.channels.iter().find(|channel| channel.number == self.channel.at.channel);
         if let Some(channel) = channel {
-            state.place.layout = Place::new(machine, channel).layout;
+            state.place.layout = MotionState::new(machine, channel).layout;
         }
         if !self.channel.state.others.couplings.is_empty() {
             self.keep_couplings();

@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use crate::channel::Kernel;
 use crate::pipeline::edit;
-use crate::trace::{self, Stage};
+use crate::trace::{self, TextStage};
 use counterpoint_event::info::cut;
 use counterpoint_fault as diag;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 /// Longest piece of embedded code, in bytes; how many different ones are remembered.
 const LONGEST_CODE: usize = 4096;
@@ -27,7 +27,7 @@ impl Kernel<'_> {
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let Some((active, left)) = scanner.without_deleted(&text, &seen) else { return };
         let left = String::from_utf8_lossy(&left).into_owned();
-        let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
+        let stage = if active { TextStage::DeleteOn } else { TextStage::DeleteOff };
         self.trace('E', |_| trace::edited(stage, left.trim()));
         self.channel.context.text = Some(Arc::new(left));
     }
@@ -93,7 +93,7 @@ impl Kernel<'_> {
             return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
         }
         if out != text {
-            self.trace('E', |_| trace::edited(Stage::EmbeddedMacro, out.trim()));
+            self.trace('E', |_| trace::edited(TextStage::EmbeddedMacro, out.trim()));
         }
         self.channel.context.text = Some(Arc::new(out));
         Ok(true)
@@ -106,7 +106,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         let value = self.run_embedded(index)?;
-        if gives && !matches!(value, Value::Unset) {
+        if gives && !matches!(value, MacroValue::Unset) {
             counterpoint_lang::format::any(out, &value, self);
         }
         Ok(())
@@ -127,11 +127,11 @@ impl Kernel<'_> {
             return None;
         }
         let mut environment = machine.macro_environment();
-        let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
+        let source = counterpoint_lang::source::MacroSource::new("embedded code", statements(code));
         let expression = counterpoint_lang::parse::expression(&source).is_some();
         let program = Arc::make_mut(&mut runtime.program);
         // No macro of another kernel knows a name that is first declared here.
-        let options = counterpoint_lang::compile::Options { globals_are_objects: true, ..Default::default() };
+        let options = counterpoint_lang::compile::CompileOptions { globals_are_objects: true, ..Default::default() };
         let added = counterpoint_lang::compile::embedded(program, &mut environment, source, options);
         let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
         runtime.measure();

@@ -4,16 +4,16 @@
 //! circles and threads stay as they are.
 
 use counterpoint_fault::Acted;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::macros::runtime::Runtime;
 use crate::macros::store::column;
 use crate::macros::store::names;
 use crate::macros::tool_table::MOST_TOOLS;
-use crate::state::State;
-use crate::state::channel::Channel;
+use crate::state::ChannelMemory;
+use crate::state::channel::ChannelContext;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -32,57 +32,59 @@ impl Kernel<'_> {
             MotionKind::Rapid => 4.0,
             MotionKind::Linear => 5.0,
         };
-        let mut arguments: [Value; 8] = std::array::from_fn(|_| Value::Null);
-        arguments[0] = Value::Real(kind);
+        let mut arguments: [MacroValue; 8] = std::array::from_fn(|_| MacroValue::Null);
+        arguments[0] = MacroValue::Real(kind);
         arguments[1] = self.ends(code, motion);
         if round {
             let [center, normal, plane] = self.circle(motion);
             arguments[2] = center;
             arguments[3] = normal;
-            arguments[5] = Value::Real(if motion.kind == MotionKind::ArcCw { 1.0 } else { 2.0 });
+            arguments[5] = MacroValue::Real(if motion.kind == MotionKind::ArcCw { 1.0 } else { 2.0 });
             arguments[6] = plane;
         }
         if motion.kind == MotionKind::ArcSpace {
             let [center, normal, middle] = loop_in_space(&self.channel, motion);
             (arguments[2], arguments[3], arguments[4]) = (center, normal, middle);
-            (arguments[5], arguments[6]) = (Value::Real(2.0), Value::Real(0.0));
+            (arguments[5], arguments[6]) = (MacroValue::Real(2.0), MacroValue::Real(0.0));
         }
         arguments[7] = self.coded(code, motion);
-        self.run_macro(code, Task::Motion(seconds, Box::new(*motion)), &mut arguments).map(|_| ())
+        self.run_macro(code, OutputTask::Motion(seconds, Box::new(*motion)), &mut arguments).map(|_| ())
     }
 
     /// `$P2`: the end by the six elements of `$AXES`.
-    fn ends(&mut self, code: u16, motion: &Motion) -> Value {
+    fn ends(&mut self, code: u16, motion: &Motion) -> MacroValue {
         let preset = self.channel.state.place.preset;
         let runtime = &mut *self.macros;
         if !runtime.calls.uses(code, 2) {
-            return Value::Null;
+            return MacroValue::Null;
         }
         let slots = runtime.arguments.slots;
-        Value::Sequence(runtime.arguments.positions.with(|values| {
+        MacroValue::Sequence(runtime.arguments.positions.with(|values| {
             values.clear();
-            values.extend(slots.map(|axis| Value::Real(axis.map_or(0.0, |axis| motion.to.at(axis) + preset.at(axis)))));
+            values.extend(
+                slots.map(|axis| MacroValue::Real(axis.map_or(0.0, |axis| motion.to.at(axis) + preset.at(axis)))),
+            );
         }))
     }
 
     /// `$P8`: axes coded in the block.
-    fn coded(&mut self, code: u16, motion: &Motion) -> Value {
+    fn coded(&mut self, code: u16, motion: &Motion) -> MacroValue {
         let runtime = &mut *self.macros;
         if !runtime.calls.uses(code, 8) {
-            return Value::Null;
+            return MacroValue::Null;
         }
         let slots = runtime.arguments.slots;
-        Value::Sequence(runtime.arguments.flags.with(|values| {
+        MacroValue::Sequence(runtime.arguments.flags.with(|values| {
             values.clear();
             values.extend(slots.map(|axis| {
                 let coded = axis.is_some_and(|axis| motion.moving & axis.bit() != 0);
-                Value::Real(f64::from(u8::from(coded)))
+                MacroValue::Real(f64::from(u8::from(coded)))
             }));
         }))
     }
 
     /// Centre, plane normal and number of the plane of a circle.
-    fn circle(&self, motion: &Motion) -> [Value; 3] {
+    fn circle(&self, motion: &Motion) -> [MacroValue; 3] {
         let [first, second] = motion.plane_axes.map(|axis| self.channel.state.place.layout.axes.id(usize::from(axis)));
         let cartesian = self.channel.state.place.layout.cartesian;
         let preset = |axis: AxisSlot| self.channel.state.place.preset.at(axis);
@@ -102,7 +104,7 @@ impl Kernel<'_> {
             (true, _, true) => ([0.0, 1.0, 0.0], 2.0),
             _ => ([1.0, 0.0, 0.0], 3.0),
         };
-        [Value::numbers(&center), Value::numbers(&normal), Value::Real(plane)]
+        [MacroValue::numbers(&center), MacroValue::numbers(&normal), MacroValue::Real(plane)]
     }
 
     /// OUTPUT of the motion macro.
@@ -110,13 +112,13 @@ impl Kernel<'_> {
         &mut self,
         seconds: f64,
         motion: &Motion,
-        kind: Option<&Value>,
-        end: Option<&Value>,
+        kind: Option<&MacroValue>,
+        end: Option<&MacroValue>,
     ) -> Acted {
         if !matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear) {
             return self.move_to(seconds, motion);
         }
-        let rapid = match kind.and_then(Value::as_real) {
+        let rapid = match kind.and_then(MacroValue::as_real) {
             Some(4.0) => true,
             Some(5.0) => false,
             _ => motion.kind == MotionKind::Rapid,
@@ -129,20 +131,20 @@ impl Kernel<'_> {
     }
 
     /// The end of a motion with the changes of the macro.
-    fn changed_end(&mut self, motion: &Motion, end: Option<&Value>) -> Position {
+    fn changed_end(&mut self, motion: &Motion, end: Option<&MacroValue>) -> Position {
         let mut to = motion.to;
         let runtime = &*self.macros;
         let (slots, preset) = (runtime.arguments.slots, self.channel.state.place.preset);
         let values = match end {
             None => return to,
-            Some(Value::Sequence(values)) if values.len() == 6 => values,
+            Some(MacroValue::Sequence(values)) if values.len() == 6 => values,
             Some(_) => {
                 self.diagnose(&diag::MACRO_RESULT, "$P2 of a motion macro is not a sequence of six numbers");
                 return to;
             }
         };
         for (axis, value) in slots.into_iter().zip(values.iter()) {
-            let (Some(axis), Value::Real(value)) = (axis, value) else { continue };
+            let (Some(axis), MacroValue::Real(value)) = (axis, value) else { continue };
             let shift = preset.at(axis);
             if to.at(axis) + shift != *value && value.is_finite() {
                 *to.at_mut(axis) = value - shift;
@@ -155,15 +157,15 @@ impl Kernel<'_> {
     pub(crate) fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         let Some(code) = self.macros.ready(Hook::Tool) else { return self.change_tool(action, tool, offset, ns) };
         let kind = if action == ToolAction::Select { 1.0 } else { 2.0 };
-        let mut arguments = [Value::Real(kind), Value::Real(0.0), Value::Real(f64::from(tool))];
-        self.run_macro(code, Task::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
+        let mut arguments = [MacroValue::Real(kind), MacroValue::Real(0.0), MacroValue::Real(f64::from(tool))];
+        self.run_macro(code, OutputTask::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
     }
 
     /// A head is selected (1) or loaded (2): the tool event macro sees it with `$P2` 1.
     pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
         let Some(code) = self.macros.ready(Hook::Tool) else { return self.load_head(kind, id) };
-        let mut arguments = [Value::Real(kind), Value::Real(1.0), Value::Real(f64::from(id))];
-        self.run_macro(code, Task::Head(kind, id), &mut arguments).map(|_| ())
+        let mut arguments = [MacroValue::Real(kind), MacroValue::Real(1.0), MacroValue::Real(f64::from(id))];
+        self.run_macro(code, OutputTask::Head(kind, id), &mut arguments).map(|_| ())
     }
 
     /// The event itself: only the listing shows it.
@@ -184,24 +186,24 @@ impl Kernel<'_> {
         };
         let row = at as i64;
         self.channel.state.times.switch_tool(at, clock);
-        store.set(names.tool_row, Value::Real(row as f64));
-        store.set(names.tool_rows, Value::Real(tools.loaded().len() as f64 + 1.0));
+        store.set(names.tool_row, MacroValue::Real(row as f64));
+        store.set(names.tool_rows, MacroValue::Real(tools.loaded().len() as f64 + 1.0));
         let name = store.get(names.tool_name).clone();
         if name.as_text().is_some_and(|name| !name.trim().is_empty()) {
             store.set_element(names.tool_table, (column::NAME, row), name);
         }
-        store.set(names.tool_name, Value::text(""));
-        let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
-        store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
+        store.set(names.tool_name, MacroValue::text(""));
+        let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(MacroValue::as_real);
+        store.set(names.tool_length, MacroValue::Real(length.unwrap_or(0.0)));
         tools.sort(store);
     }
 
     /// Records a loaded tool, and the previous one.
     fn book_tool(&mut self, tool: u32, before: u32) {
         let store = &mut self.macros.variables.store;
-        store.set(names().last_tool, Value::Real(f64::from(before)));
+        store.set(names().last_tool, MacroValue::Real(f64::from(before)));
         if store.get(names().first_tool).as_real() == Some(0.0) {
-            store.set(names().first_tool, Value::Real(f64::from(tool)));
+            store.set(names().first_tool, MacroValue::Real(f64::from(tool)));
         }
         self.tool_row(tool);
         let Runtime { books, variables, .. } = &mut *self.macros;
@@ -212,7 +214,7 @@ impl Kernel<'_> {
     pub(crate) fn book_motion(&mut self, seconds: f64, motion: &Motion) {
         let runtime = &mut *self.macros;
         runtime.arguments.before = self.channel.state.place.position;
-        let State { times, spindle, .. } = &mut self.channel.state;
+        let ChannelMemory { times, spindle, .. } = &mut self.channel.state;
         times.add_motion(&spindle.command, motion.kind == MotionKind::Rapid, (seconds, motion.length));
         runtime.books.note_travel(&self.channel, motion);
     }
@@ -238,9 +240,9 @@ impl Kernel<'_> {
 }
 
 /// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
-fn loop_in_space(channel: &Channel<'_>, motion: &Motion) -> [Value; 3] {
+fn loop_in_space(channel: &ChannelContext<'_>, motion: &Motion) -> [MacroValue; 3] {
     let axes = channel.env.info.channel(channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
-    let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
+    let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| MacroValue::Null) };
     let programmed = |point: [f64; 3]| {
         let mut values = [0.0; 3];
         for (axis, value) in space.seen.values(point) {
@@ -249,7 +251,7 @@ fn loop_in_space(channel: &Channel<'_>, motion: &Motion) -> [Value; 3] {
                 *slot = value + channel.state.place.preset.at(axis);
             }
         }
-        Value::numbers(&values)
+        MacroValue::numbers(&values)
     };
-    [programmed(space.circle.center), Value::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
+    [programmed(space.circle.center), MacroValue::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
 }

@@ -5,11 +5,11 @@
 use std::sync::Arc;
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use crate::channel::hook_points::Origin;
+use crate::channel::hook_points::BlockOrigin;
 use crate::host::block;
 use crate::macros::issued::Later;
 use crate::state::burden;
@@ -117,7 +117,7 @@ impl Kernel<'_> {
     }
 
     /// A block given as identifiers and values: straight to the code loop.
-    pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
+    pub(crate) fn item_block(&mut self, items: &[MacroValue]) -> Acted {
         self.channel.context.text = Some(Arc::default());
         let mut items = items.iter();
         while let Some(item) = items.next() {
@@ -126,7 +126,7 @@ impl Kernel<'_> {
                     self.no_such_code(id);
                 }
             } else if let Some(id) = self.data_id(item) {
-                match items.next().and_then(Value::as_real) {
+                match items.next().and_then(MacroValue::as_real) {
                     Some(value) if block::knows_data(self.channel.env.machine, id) => {
                         self.channel.block.added.push((id, value))
                     }
@@ -144,7 +144,7 @@ impl Kernel<'_> {
                 self.diagnose(&diag::MACRO_RESULT, text);
             }
         }
-        self.codes(Origin::Items)
+        self.codes(BlockOrigin::Items)
     }
 
     /// Reports that EXEC or OUTPUT named a code without a row.

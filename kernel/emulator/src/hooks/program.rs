@@ -6,20 +6,20 @@ use crate::state::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::channel::flow::{Flow, Frame};
-use crate::macros::calls::Task;
+use crate::channel::flow::{ProgramFlow, RunningProgram};
+use crate::macros::calls::OutputTask;
 use crate::macros::parts::Restart;
 use crate::state::probing::Probing;
-use crate::state::thread::Threads;
-use counterpoint_dialect::Answer;
+use crate::state::thread::ThreadingState;
+use counterpoint_dialect::IdentificationAnswer;
 use counterpoint_event::event::{FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -77,7 +77,7 @@ impl Kernel<'_> {
     }
 
     /// Starts the next program after the previous one has ended.
-    pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Arc<str>, reset: bool) -> Acted {
+    pub(crate) fn start_over(&mut self, file: FileId, range: ProgramRange, name: Arc<str>, reset: bool) -> Acted {
         if reset {
             self.channel.state.forget_words(self.channel.env.machine);
             self.initial_codes();
@@ -87,15 +87,15 @@ impl Kernel<'_> {
                 self.channel.state.place.tools.chosen,
             ) = (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
-                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
+                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::ArcState::default());
             self.forget_frame();
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
-                *self.channel.state.others = crate::state::Others::new(self.channel.env.machine, channel);
+                *self.channel.state.others = crate::state::RareState::new(self.channel.env.machine, channel);
             }
             (*self.channel.state.threads, *self.channel.state.skip) =
-                (Threads::new(self.channel.env.machine), Probing::default());
+                (ThreadingState::new(self.channel.env.machine), Probing::default());
             let runtime = &mut *self.macros;
             runtime.variables.store.counts = Default::default();
             runtime.books.forget_operations();
@@ -110,8 +110,8 @@ impl Kernel<'_> {
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
             self.dialect.variables.leave();
         }
-        self.flow = Flow::default();
-        self.flow.frames.push(Frame::main(file, range, name));
+        self.flow = ProgramFlow::default();
+        self.flow.frames.push(RunningProgram::main(file, range, name));
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.restart(reset);
             self.flow.watched = interpreter.watches();
@@ -126,29 +126,34 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// The macro stopped the channel.
-    pub(crate) fn ask_identification(&mut self, code: u16, asked: &str, assigned: Value) -> Result<Answer, Halt> {
-        let mut arguments = [Value::Real(0.0), Value::text(asked), assigned];
-        self.run_macro(code, Task::None, &mut arguments)?;
+    pub(crate) fn ask_identification(
+        &mut self,
+        code: u16,
+        asked: &str,
+        assigned: MacroValue,
+    ) -> Result<IdentificationAnswer, Halt> {
+        let mut arguments = [MacroValue::Real(0.0), MacroValue::text(asked), assigned];
+        self.run_macro(code, OutputTask::None, &mut arguments)?;
         let [flag, text, _] = arguments;
         let flag = flag.as_real().unwrap_or(0.0);
         if flag != 1.0 {
             return Ok(match flag {
-                -1.0 => Answer::Drop,
-                2.0 => Answer::Keep,
-                _ => Answer::Unknown,
+                -1.0 => IdentificationAnswer::Drop,
+                2.0 => IdentificationAnswer::Keep,
+                _ => IdentificationAnswer::Unknown,
             });
         }
         Ok(match text {
-            Value::Text(text) => Answer::Instead(text.as_ref().clone()),
+            MacroValue::Text(text) => IdentificationAnswer::Instead(text.as_ref().clone()),
             // As many digits as tell the number from every other.
-            Value::Real(number) if number.is_finite() => Answer::Instead(number.to_string()),
+            MacroValue::Real(number) if number.is_finite() => IdentificationAnswer::Instead(number.to_string()),
             other => {
                 let text = format!(
                     "$P2 of the identification macro is {} in place of '{asked}'; a text or a number is expected",
                     other.kind_name()
                 );
                 self.diagnose(&diag::MACRO_RESULT, text);
-                Answer::Unknown
+                IdentificationAnswer::Unknown
             }
         })
     }

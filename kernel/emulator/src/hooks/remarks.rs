@@ -7,13 +7,13 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::macros::values::code_value;
 use crate::state::burden::shortened;
-use counterpoint_event::event::{Kind, Message};
+use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_program::block::PendingCode;
@@ -62,7 +62,7 @@ impl Kernel<'_> {
         let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.channel.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+        self.channel.emit(0, Kind::Message(OperatorMessage { text: text.into(), printed: false }));
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
@@ -70,8 +70,8 @@ impl Kernel<'_> {
         let outer = self.channel.context.set_code(Some(id));
         let done = match self.matching_code_macro(id) {
             Some(code) => {
-                let mut arguments = [code_value(Some(id)), Value::Text(Arc::clone(&text))];
-                self.run_macro(code, Task::Remark(id, text), &mut arguments).map(|_| ())
+                let mut arguments = [code_value(Some(id)), MacroValue::Text(Arc::clone(&text))];
+                self.run_macro(code, OutputTask::Remark(id, text), &mut arguments).map(|_| ())
             }
             None if id == codes::DISPLY => {
                 self.display(&text);
@@ -88,7 +88,7 @@ impl Kernel<'_> {
     }
 
     /// OUTPUT in the macro of a remark: the code that `$P1` holds now.
-    pub(crate) fn output_remark(&mut self, id: CodeId, text: Arc<String>, wanted: Option<&Value>) -> Acted {
+    pub(crate) fn output_remark(&mut self, id: CodeId, text: Arc<String>, wanted: Option<&MacroValue>) -> Acted {
         let target = wanted.map_or(Some(id), |value| self.code_id(value));
         match target {
             None => Ok(()),
@@ -111,6 +111,6 @@ impl Kernel<'_> {
         if id == codes::DISPLY {
             return self.show_display(text);
         }
-        self.store(crate::macros::store::names().comment, || Value::Text(Arc::clone(text)));
+        self.store(crate::macros::store::names().comment, || MacroValue::Text(Arc::clone(text)));
     }
 }

@@ -6,14 +6,14 @@
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::compile::Program;
-use counterpoint_lang::fault::Fault;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, End, State};
+use counterpoint_lang::compile::MacroProgram;
+use counterpoint_lang::fault::MacroFault;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{self, MacroEnd, MacroState};
 
 use crate::channel::Kernel;
 use crate::host::variables::positions;
-use crate::macros::calls::{Task, unwinding};
+use crate::macros::calls::{OutputTask, unwinding};
 use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
 use counterpoint_event::info::Info;
@@ -32,13 +32,13 @@ fn command_line(info: &Info) -> String {
 
 impl Kernel<'_> {
     /// With the macros of the kernel's machine.
-    pub fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
+    pub fn with_macros(mut self, program: Option<&Arc<MacroProgram>>) -> Self {
         self.set_up_macros(program);
         self
     }
 
     /// Sets up the macros of the kernel's machine.
-    pub(crate) fn set_up_macros(&mut self, program: Option<&Arc<Program>>) {
+    pub(crate) fn set_up_macros(&mut self, program: Option<&Arc<MacroProgram>>) {
         let none = Macros::default();
         // A machine without macros has a program nevertheless if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
@@ -52,9 +52,9 @@ impl Kernel<'_> {
         runtime.books.set_columns(&self.channel);
         let (extension, store) =
             (self.channel.env.machine.subprograms.extension.as_str(), &mut runtime.variables.store);
-        store.set(names().extension, Value::text(extension));
-        store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
-        store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
+        store.set(names().extension, MacroValue::text(extension));
+        store.set(names().parameters, MacroValue::text(self.channel.env.info.parameters.as_str()));
+        store.set(names().command_line, MacroValue::text(command_line(self.channel.env.info)));
         *self.macros = runtime;
     }
 
@@ -62,7 +62,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// Something inside made the kernel leave its program at once.
-    pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
+    pub(crate) fn run_macro(&mut self, code: u16, task: OutputTask, arguments: &mut [MacroValue]) -> Result<u32, Halt> {
         let Some(mut state) = self.macros.calls.take_state() else { return Ok(0) };
         let program = Arc::clone(&self.macros.program);
         let selects = task.selects();
@@ -84,10 +84,10 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// As [`run_macro`](Self::run_macro).
-    pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
-        let Some(mut state) = self.macros.calls.take_state() else { return Ok(Value::Null) };
+    pub(crate) fn run_embedded(&mut self, code: u16) -> Result<MacroValue, Halt> {
+        let Some(mut state) = self.macros.calls.take_state() else { return Ok(MacroValue::Null) };
         let program = Arc::clone(&self.macros.program);
-        let matching = self.macros.begin_macro(code, Task::None);
+        let matching = self.macros.begin_macro(code, OutputTask::None);
         let limit = self.macros.calls.limit_nesting(&mut state);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
         state.limits.depth = limit;
@@ -95,7 +95,13 @@ impl Kernel<'_> {
         Ok(value)
     }
 
-    fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
+    fn macro_ended(
+        &mut self,
+        mut state: Box<MacroState>,
+        code: u16,
+        matching: bool,
+        end: MacroEnd,
+    ) -> Result<u32, Halt> {
         if state.depth == 0 {
             self.channel.burden.steps += state.limits.ticks - state.ticks;
         }
@@ -112,7 +118,7 @@ impl Kernel<'_> {
             }
             return Err(halt);
         }
-        if end == End::Budget {
+        if end == MacroEnd::Budget {
             // Reported with its place; a control whose macros run indefinitely is stopped.
             let halt = match over {
                 Some(largest) => self.macros_out_of_memory(&largest),
@@ -144,9 +150,9 @@ impl Kernel<'_> {
     /// The work made the kernel leave its program: all running macros end.
     pub(crate) fn meanwhile(
         &mut self,
-        state: &mut State,
+        state: &mut MacroState,
         work: impl FnOnce(&mut Self) -> counterpoint_fault::Acted,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), MacroFault> {
         let runtime = &mut *self.macros;
         runtime.calls.lend_state(state);
         let inner = runtime.calls.innermost().is_none_or(|call| call.matching);

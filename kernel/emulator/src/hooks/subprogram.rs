@@ -9,36 +9,36 @@
 use crate::state::text;
 use counterpoint_fault::{Acted, Halt};
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::channel::flow::{Called, Callee, Pending};
-use crate::macros::calls::{TICKS, Task};
+use crate::channel::flow::{CallRecord, Callee, Pending};
+use crate::macros::calls::{OutputTask, TICKS};
 use counterpoint_event::event::FileId;
-use counterpoint_event::info::File;
+use counterpoint_event::info::JobFile;
 use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Where a subprogram is, if anywhere.
-type Found = Option<(FileId, Range)>;
+type Found = Option<(FileId, ProgramRange)>;
 
 impl Kernel<'_> {
     /// The call of the current block.
-    pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
+    pub(crate) fn called(&self, what: Callee, passes: u32) -> CallRecord {
         let macros = self.channel.env.machine.macros.as_deref().filter(|_| self.plan.hooks.is_some());
         let hooks = [Hook::SubprogramStartup, Hook::SubprogramShutdown];
         let asks = macros.is_some_and(|macros| hooks.into_iter().any(|hook| macros.hook(hook).is_some()));
         let block = asks.then(|| String::from_utf8_lossy(&text::preprocessed_bytes(&self.channel)).trim().into());
-        Called { what, passes, block }
+        CallRecord { what, passes, block }
     }
 
     /// Runs the startup macro for a pass: none if the call is ignored, otherwise where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
-        called: &Called,
+        called: &CallRecord,
         pass: u32,
         found: Found,
         level: usize,
@@ -46,7 +46,7 @@ impl Kernel<'_> {
         let Some(code) = self.macros.ready(Hook::SubprogramStartup) else { return Ok(Some(found)) };
         let mut arguments = self.call_arguments(called, pass, found, level);
         let (file, offset) = (arguments[8].clone(), arguments[9].clone());
-        self.run_macro(code, Task::None, &mut arguments)?;
+        self.run_macro(code, OutputTask::None, &mut arguments)?;
         match arguments[0].as_real() {
             Some(0.0) => return Ok(None),
             Some(-1.0) => return Ok(Some(None)),
@@ -65,14 +65,14 @@ impl Kernel<'_> {
     /// Runs the shutdown macro of a pass.
     pub(crate) fn subprogram_shutdown(
         &mut self,
-        called: &Called,
+        called: &CallRecord,
         pass: u32,
-        place: (FileId, Range),
+        place: (FileId, ProgramRange),
         level: usize,
     ) -> Acted {
         let Some(code) = self.macros.ready(Hook::SubprogramShutdown) else { return Ok(()) };
         let mut arguments = self.call_arguments(called, pass, Some(place), level);
-        self.run_macro(code, Task::None, &mut arguments).map(|_| ())
+        self.run_macro(code, OutputTask::None, &mut arguments).map(|_| ())
     }
 
     /// Between two passes of a subprogram.
@@ -103,7 +103,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn call_arguments(&self, called: &Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
+    fn call_arguments(&self, called: &CallRecord, pass: u32, found: Found, level: usize) -> [MacroValue; 10] {
         let (file, offset) = match found {
             Some((file, range)) => {
                 (self.channel.env.info.file_name(file).to_owned(), f64::from(range.first.saturating_sub(1)))
@@ -118,16 +118,16 @@ impl Kernel<'_> {
             Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (*first, *last)),
         };
         [
-            Value::Real(kind),
-            Value::text(number),
-            Value::Real(f64::from(first)),
-            Value::Real(f64::from(last)),
-            Value::Real(f64::from(called.passes.saturating_sub(1))),
-            Value::text(called.block.as_deref().unwrap_or_default()),
-            Value::Real(level as f64),
-            Value::Real(f64::from(pass)),
-            Value::text(file),
-            Value::Real(offset),
+            MacroValue::Real(kind),
+            MacroValue::text(number),
+            MacroValue::Real(f64::from(first)),
+            MacroValue::Real(f64::from(last)),
+            MacroValue::Real(f64::from(called.passes.saturating_sub(1))),
+            MacroValue::text(called.block.as_deref().unwrap_or_default()),
+            MacroValue::Real(level as f64),
+            MacroValue::Real(f64::from(pass)),
+            MacroValue::text(file),
+            MacroValue::Real(offset),
         ]
     }
 
@@ -136,7 +136,7 @@ impl Kernel<'_> {
         // Files stored with the machine are found in any letter case.
         let stored =
             name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
-        let is = |file: &File| file.name == name || stored && file.name.eq_ignore_ascii_case(name);
+        let is = |file: &JobFile| file.name == name || stored && file.name.eq_ignore_ascii_case(name);
         let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
@@ -146,7 +146,7 @@ impl Kernel<'_> {
         };
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
-        Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
+        Ok(Some((file, ProgramRange { number: around.and_then(|range| range.number), first: line, last })))
     }
 
     /// Executes the call or return of a block inside another block before the macro continues: the whole subprogram, or

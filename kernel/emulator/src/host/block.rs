@@ -3,11 +3,11 @@
 //! Facts: reference functions.md 9. *Invariant:* actions do not find data that a macro takes, and find data that it
 //! adds.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::State;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::MacroState;
 use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
@@ -15,7 +15,7 @@ use crate::channel::data;
 use crate::macros::values::code_value;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
-use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
@@ -41,24 +41,27 @@ impl Kernel<'_> {
     }
 
     /// `$FCEADD`
-    pub(crate) fn add_item(&mut self, arguments: &[Value]) -> Outcome<Value> {
-        let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
+    pub(crate) fn add_item(&mut self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+        let Some(item) = arguments.first() else { return Ok(MacroValue::Logical(false)) };
         if self.channel.block.added.len() + self.channel.block.pending.len() >= MOST_ADDED {
-            return Err(Fault::new(Number::SIZE, format!("a block has more than {MOST_ADDED} codes and data")));
+            return Err(MacroFault::new(
+                DiagnosticNumber::SIZE,
+                format!("a block has more than {MOST_ADDED} codes and data"),
+            ));
         }
         let value = match arguments.get(1) {
             None => 0.0,
-            Some(value) => value.as_real().ok_or_else(|| Fault::kind("a number", value))?,
+            Some(value) => value.as_real().ok_or_else(|| MacroFault::kind("a number", value))?,
         };
-        if let Value::Code(_) = item {
-            return Ok(Value::Logical(self.code_id(item).is_some_and(|id| self.add_code(id, value))));
+        if let MacroValue::Code(_) = item {
+            return Ok(MacroValue::Logical(self.code_id(item).is_some_and(|id| self.add_code(id, value))));
         }
-        let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
+        let MacroValue::Register(_) = item else { return Err(MacroFault::kind("a code or data identifier", item)) };
         let known = self.data_id(item).filter(|id| knows_data(self.channel.env.machine, *id));
         if let Some(id) = known {
             self.channel.block.added.push((id, value));
         }
-        Ok(Value::Logical(known.is_some()))
+        Ok(MacroValue::Logical(known.is_some()))
     }
 
     /// Inserts a code by its order among those that have not acted yet.
@@ -101,66 +104,68 @@ impl Kernel<'_> {
 
     /// `$FCEGET`: takes a code or data off the block. Data pass the columns of their row; the data macros of those that
     /// no built-in action takes run, since nothing else obtains them.
-    pub(crate) fn take_item(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn take_item(&mut self, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         match self.named_item(arguments)? {
-            Some(Item::Code(id)) => {
+            Some(BlockIdentifier::Code(id)) => {
                 let pending = self.waiting_code(id).map(|at| self.channel.block.pending.remove(at));
-                Ok(pending.map_or(Value::Null, |pending| Value::Real(code_number(self.channel.env.machine, pending))))
+                Ok(pending.map_or(MacroValue::Null, |pending| {
+                    MacroValue::Real(code_number(self.channel.env.machine, pending))
+                }))
             }
-            Some(Item::Data(id)) => {
+            Some(BlockIdentifier::Data(id)) => {
                 let mut value = None;
                 let runs = counterpoint_machine::ident::data_facts(id).is_none_or(|facts| !facts.built_in);
                 self.meanwhile(state, |kernel| {
                     value = kernel.take_for_macro(id, runs);
                     Ok(())
                 })?;
-                Ok(value.map_or(Value::Null, Value::Real))
+                Ok(value.map_or(MacroValue::Null, MacroValue::Real))
             }
-            None => Ok(Value::Null),
+            None => Ok(MacroValue::Null),
         }
     }
 
     /// The code or the data that a macro names; none if the machine does not know it.
-    fn named_item(&self, arguments: &[Value]) -> Outcome<Option<Item>> {
+    fn named_item(&self, arguments: &[MacroValue]) -> Outcome<Option<BlockIdentifier>> {
         match arguments.first() {
             None => Ok(None),
-            Some(item @ Value::Code(_)) => Ok(self.code_id(item).map(Item::Code)),
-            Some(item @ Value::Register(_)) => Ok(self.data_id(item).map(Item::Data)),
-            Some(other) => Err(Fault::kind("a code or data identifier", other)),
+            Some(item @ MacroValue::Code(_)) => Ok(self.code_id(item).map(BlockIdentifier::Code)),
+            Some(item @ MacroValue::Register(_)) => Ok(self.data_id(item).map(BlockIdentifier::Data)),
+            Some(other) => Err(MacroFault::kind("a code or data identifier", other)),
         }
     }
 
     /// `$FCESEEK`
-    pub(crate) fn seek_item(&self, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn seek_item(&self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         let id = match self.named_item(arguments)? {
-            Some(Item::Data(id)) => id,
-            Some(Item::Code(id)) => {
+            Some(BlockIdentifier::Data(id)) => id,
+            Some(BlockIdentifier::Code(id)) => {
                 let found = self.waiting_code(id).and_then(|at| self.channel.block.pending.get(at).copied());
-                return Ok(
-                    found.map_or(Value::Null, |pending| Value::Real(code_number(self.channel.env.machine, pending)))
-                );
+                return Ok(found.map_or(MacroValue::Null, |pending| {
+                    MacroValue::Real(code_number(self.channel.env.machine, pending))
+                }));
             }
-            None => return Ok(Value::Null),
+            None => return Ok(MacroValue::Null),
         };
         let named = |code: &i32| ident::minor_name(*code).filter(|name| ["MODAL", "LAST"].contains(name));
         let mode = match arguments.get(1) {
             None => "",
-            Some(Value::Keyword(code)) => {
-                named(code).ok_or_else(|| Fault::kind("MODAL or LAST", &Value::Keyword(*code)))?
+            Some(MacroValue::Keyword(code)) => {
+                named(code).ok_or_else(|| MacroFault::kind("MODAL or LAST", &MacroValue::Keyword(*code)))?
             }
-            Some(other) => return Err(Fault::kind("MODAL or LAST", other)),
+            Some(other) => return Err(MacroFault::kind("MODAL or LAST", other)),
         };
         if mode != "LAST"
             && let Some(value) = self.data_on_block(id)
         {
-            return Ok(Value::Real(value));
+            return Ok(MacroValue::Real(value));
         }
         if mode.is_empty() {
-            return Ok(Value::Null);
+            return Ok(MacroValue::Null);
         }
         let rows = self.channel.env.machine.tables.data(id).iter().map(|&row| &self.channel.env.machine.data[row]);
         let factor = rows.map(|row| self.channel.unit_factor(row.dimension)).next().unwrap_or(1.0);
-        Ok(self.channel.state.remembered.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
+        Ok(self.channel.state.remembered.value(id).map_or(MacroValue::Null, |value| MacroValue::Real(value / factor)))
     }
 
     /// Value of data of this block, before any change of units.
@@ -179,9 +184,9 @@ impl Kernel<'_> {
     }
 
     /// `$FCEGAC`, `$FCESAC`
-    pub(crate) fn active_code(&mut self, arguments: &[Value], set: bool) -> Value {
-        let Some(id) = arguments.first().and_then(|item| self.code_id(item)) else { return Value::Code(0) };
-        let Some(row) = self.row_of_code(id) else { return Value::Code(0) };
+    pub(crate) fn active_code(&mut self, arguments: &[MacroValue], set: bool) -> MacroValue {
+        let Some(id) = arguments.first().and_then(|item| self.code_id(item)) else { return MacroValue::Code(0) };
+        let Some(row) = self.row_of_code(id) else { return MacroValue::Code(0) };
         let group = self.channel.env.machine.codes[row].group;
         let before = self.channel.state.modal.code(group).filter(|_| group != 0);
         if set {
@@ -191,22 +196,22 @@ impl Kernel<'_> {
     }
 
     /// `$FCEDAC`: data that fire the modal code of a group, or no longer.
-    pub(crate) fn data_as_code(&mut self, arguments: &[Value]) -> Value {
+    pub(crate) fn data_as_code(&mut self, arguments: &[MacroValue]) -> MacroValue {
         let id = arguments
             .first()
             .and_then(|item| self.data_id(item))
             .filter(|id| knows_data(self.channel.env.machine, *id));
-        let group = arguments.get(1).and_then(Value::as_real).unwrap_or(-1.0);
-        let Some(id) = id else { return Value::Logical(false) };
+        let group = arguments.get(1).and_then(MacroValue::as_real).unwrap_or(-1.0);
+        let Some(id) = id else { return MacroValue::Logical(false) };
         let modes = &mut self.macros.modes;
         if group != -1.0 && !(1.0..=999.0).contains(&group) {
-            return Value::Logical(false);
+            return MacroValue::Logical(false);
         }
         modes.data_codes.retain(|(other, _)| *other != id);
         if group != -1.0 {
             modes.data_codes.push((id, group as u16));
         }
-        Value::Logical(true)
+        MacroValue::Logical(true)
     }
 }
 

@@ -5,18 +5,18 @@
 use counterpoint_machine::index::CodeRowId;
 use std::sync::Arc;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::host::Command;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::State;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::host::HostCommand;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::macros::issued::{Later, MOST_QUEUED};
 use crate::macros::store::names;
 use crate::state::burden::shortened;
-use counterpoint_event::event::{Kind, Listing, Message};
+use counterpoint_event::event::{Kind, Listing, OperatorMessage};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::macros::model::Hook;
@@ -31,8 +31,8 @@ const MOST_SKIPPED: i64 = 1000;
 const MOST_SAVED: usize = 100;
 
 /// A fault with one of the kernel's own numbers.
-pub(crate) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
-    Fault::new(Number(facts.number), text)
+pub(crate) fn fault(facts: &diag::DiagnosticFacts, text: impl Into<String>) -> MacroFault {
+    MacroFault::new(DiagnosticNumber(facts.number), text)
 }
 
 impl Kernel<'_> {
@@ -45,20 +45,20 @@ impl Kernel<'_> {
         self.channel.state.secondary = self.channel.state.says_secondary();
     }
 
-    pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+    pub(crate) fn macro_command(&mut self, state: &mut MacroState, command: HostCommand<'_>) -> Outcome<i32> {
         match command {
-            Command::Match(on) => self.macros.match_macros(on),
-            Command::MatchAgain => self.macros.match_macros(true),
-            Command::Output(arguments) => self.output(state, arguments)?,
-            Command::ExecBlock(now, text) => self.exec_text(state, now, text)?,
-            Command::ExecItems(now, items) => self.exec_items(state, now, items)?,
-            Command::TapeRead => self.tape_read(state)?,
-            Command::TapeWrite => {
+            HostCommand::Match(on) => self.macros.match_macros(on),
+            HostCommand::MatchAgain => self.macros.match_macros(true),
+            HostCommand::Output(arguments) => self.output(state, arguments)?,
+            HostCommand::ExecBlock(now, text) => self.exec_text(state, now, text)?,
+            HostCommand::ExecItems(now, items) => self.exec_items(state, now, items)?,
+            HostCommand::TapeRead => self.tape_read(state)?,
+            HostCommand::TapeWrite => {
                 let text = self.macros.variables.store.text(names().mcdrd);
                 self.exec_text(state, true, &text)?;
             }
-            Command::Search(number) => self.search_record(state, number)?,
-            Command::SaveModal => {
+            HostCommand::Search(number) => self.search_record(state, number)?,
+            HostCommand::SaveModal => {
                 let groups = self.channel.state.modal.saved();
                 let runtime = &mut *self.macros;
                 if runtime.modes.saved.len() >= MOST_SAVED {
@@ -67,7 +67,7 @@ impl Kernel<'_> {
                 }
                 runtime.modes.saved.push(groups);
             }
-            Command::RestoreModal => {
+            HostCommand::RestoreModal => {
                 let saved = self.macros.modes.saved.pop();
                 let Some(groups) = saved else {
                     return Err(fault(&diag::MODAL_STACK, "no saved modal state to restore"));
@@ -75,54 +75,56 @@ impl Kernel<'_> {
                 self.put_modes_back(&groups);
             }
             // LPRINT goes into the log also without a trace.
-            Command::Listing(on) => self.channel.emit(0, Kind::listing(if on { Listing::On } else { Listing::Off })),
-            Command::Skip(lines) if lines > 0 => {
+            HostCommand::Listing(on) => {
+                self.channel.emit(0, Kind::listing(if on { Listing::On } else { Listing::Off }))
+            }
+            HostCommand::Skip(lines) if lines > 0 => {
                 let lines = u32::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0);
                 state.spend(lines as usize)?;
                 self.channel.emit(0, Kind::listing(Listing::Lines(lines)));
             }
-            Command::Skip(_) => {}
-            Command::Print(text) => {
-                self.channel.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
+            HostCommand::Skip(_) => {}
+            HostCommand::Print(text) => {
+                self.channel.emit(0, Kind::Message(OperatorMessage { text: shortened(text).into(), printed: true }))
             }
-            Command::System(text) => return self.system_command(state, text),
+            HostCommand::System(text) => return self.system_command(state, text),
         }
         Ok(0)
     }
 
-    fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
+    fn output(&mut self, state: &mut MacroState, arguments: &[(u8, MacroValue)]) -> Outcome<()> {
         state.spend(BLOCK_TICKS)?;
         let task = match self.macros.calls.innermost() {
             Some(call) => {
                 call.outputs += 1;
                 call.task.clone()
             }
-            None => Task::None,
+            None => OutputTask::None,
         };
         let argument = |number: u8| arguments.iter().find(|(at, _)| *at == number).map(|(_, value)| value);
         match task {
-            Task::None => Self::not_here("OUTPUT"),
-            Task::Code(pending, id) => {
+            OutputTask::None => Self::not_here("OUTPUT"),
+            OutputTask::Code(pending, id) => {
                 let wanted = argument(1).cloned();
                 self.meanwhile(state, |kernel| kernel.output_code(pending, id, wanted.as_ref()))
             }
-            Task::Remark(id, text) => {
+            OutputTask::Remark(id, text) => {
                 let wanted = argument(1).cloned();
                 self.meanwhile(state, |kernel| kernel.output_remark(id, text, wanted.as_ref()))
             }
-            Task::Motion(seconds, motion) => {
+            OutputTask::Motion(seconds, motion) => {
                 let (kind, end) = (argument(1).cloned(), argument(2).cloned());
                 self.meanwhile(state, |kernel| kernel.output_motion(seconds, &motion, kind.as_ref(), end.as_ref()))
             }
-            Task::Tool(action, tool, offset, ns) => {
+            OutputTask::Tool(action, tool, offset, ns) => {
                 self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
             }
-            Task::Head(kind, id) => self.meanwhile(state, |kernel| kernel.load_head(kind, id)),
-            Task::Cycle(hole) => {
-                let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(Value::as_real));
+            OutputTask::Head(kind, id) => self.meanwhile(state, |kernel| kernel.load_head(kind, id)),
+            OutputTask::Cycle(hole) => {
+                let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(MacroValue::as_real));
                 self.meanwhile(state, |kernel| kernel.output_cycle(*hole, heights))
             }
-            Task::Diagnostic(came) => {
+            OutputTask::Diagnostic(came) => {
                 let [number, severity, text] = &*came;
                 let values =
                     [(2, number), (3, severity), (5, text)].map(|(at, came)| argument(at).unwrap_or(came).clone());
@@ -132,12 +134,12 @@ impl Kernel<'_> {
     }
 
     /// Diagnostics cannot issue blocks, since they may be raised at any point.
-    fn may_exec(&self, state: &mut State) -> Outcome<()> {
+    fn may_exec(&self, state: &mut MacroState) -> Outcome<()> {
         state.spend(BLOCK_TICKS)?;
         if self.inside(Hook::Diagnostic) { Self::not_here("EXEC") } else { Ok(()) }
     }
 
-    fn exec_text(&mut self, state: &mut State, now: bool, text: &str) -> Outcome<()> {
+    fn exec_text(&mut self, state: &mut MacroState, now: bool, text: &str) -> Outcome<()> {
         self.may_exec(state)?;
         let limit = self.channel.env.options.limits.block_length;
         if text.len() > limit {
@@ -168,7 +170,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {
+    fn exec_items(&mut self, state: &mut MacroState, now: bool, items: &[MacroValue]) -> Outcome<()> {
         self.may_exec(state)?;
         self.trace_exec_items(now, items);
         if now {
@@ -177,13 +179,13 @@ impl Kernel<'_> {
         if self.is_too_late(state, "EXEC/NEXT") {
             return Ok(());
         }
-        let items: Arc<[Value]> = items.into();
+        let items: Arc<[MacroValue]> = items.into();
         state.grow(items.len() * 16 + 64);
         self.leave_for_later(|matching| Later::Items(items, matching))
     }
 
     /// Whether the program has ended, so that a command for its next block has no effect.
-    fn is_too_late(&self, state: &mut State, command: &str) -> bool {
+    fn is_too_late(&self, state: &mut MacroState, command: &str) -> bool {
         let late = self.macros.course.closing;
         if late {
             let text = format!("{command} has no effect: the program has ended and reads no further block");
@@ -204,7 +206,7 @@ impl Kernel<'_> {
     }
 
     /// TAPERD: the next block that is not blank.
-    fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
+    fn tape_read(&mut self, state: &mut MacroState) -> Outcome<()> {
         let sources = self.channel.env.sources;
         let found = self.flow.frames.last_mut().and_then(|frame| {
             let source = sources.get(frame.file)?;
@@ -215,12 +217,12 @@ impl Kernel<'_> {
         let (number, text) = match found {
             Some((line, text)) => (line, text),
             None => {
-                state.warn(Fault::new(Number::PROGRAM_END, "the NC program has no further block"));
+                state.warn(MacroFault::new(DiagnosticNumber::PROGRAM_END, "the NC program has no further block"));
                 (0, String::new())
             }
         };
         let store = &mut self.macros.variables.store;
-        store.set(names().mcdrd, Value::text(text));
+        store.set(names().mcdrd, MacroValue::text(text));
         if number > 0 {
             store.number = number;
         }
@@ -228,7 +230,7 @@ impl Kernel<'_> {
     }
 
     /// SEARCH: the next block read is this record of the file; the block still in process is not repeated.
-    fn search_record(&mut self, state: &mut State, number: i64) -> Outcome<()> {
+    fn search_record(&mut self, state: &mut MacroState, number: i64) -> Outcome<()> {
         if self.is_too_late(state, "SEARCH") {
             return Ok(());
         }
@@ -238,7 +240,7 @@ impl Kernel<'_> {
         let wanted = u32::try_from(number).ok().filter(|line| (first..=last.saturating_add(1)).contains(line));
         let Some(line) = wanted else {
             let text = format!("SEARCH for record {number}, the program has {first} to {last}");
-            return Err(Fault::new(Number::OUT_OF_RANGE, text));
+            return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, text));
         };
         if line > self.channel.at.line {
             if let Some(frame) = self.flow.frame() {

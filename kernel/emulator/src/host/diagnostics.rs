@@ -5,15 +5,15 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::diag::{self as language, Number, TABLE};
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::{self as language, DiagnosticNumber, TABLE};
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::macros::books::operations::operation_name;
-use crate::macros::calls::Task;
+use crate::macros::calls::OutputTask;
 use crate::state::burden::{RESULT, shortened};
-use counterpoint_event::event::{Diagnostic, Kind, Origin};
+use counterpoint_event::event::{Diagnostic, DiagnosticOrigin, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;
 
@@ -31,7 +31,7 @@ fn of_language(number: u32) -> Option<(u8, &'static str)> {
     TABLE.iter().find(|row| row.number.0 == number).map(|row| (row.severity, row.about))
 }
 
-fn number(value: Option<&Value>) -> Option<u32> {
+fn number(value: Option<&MacroValue>) -> Option<u32> {
     let number = value?.as_real()?;
     (number.fract() == 0.0 && (0.0..=99_999_999.0).contains(&number)).then_some(number as u32)
 }
@@ -58,7 +58,7 @@ impl Kernel<'_> {
     /// number that ERROR raises is already complete.
     pub(crate) fn customised_of_macro(
         &mut self,
-        number: Number,
+        number: DiagnosticNumber,
         (severity, stops): (u8, bool),
         text: String,
     ) -> Option<(u8, String)> {
@@ -72,12 +72,12 @@ impl Kernel<'_> {
 
     /// The statement that raised a diagnostic. The end of a macro because of an error adds nothing to the report of the
     /// error.
-    pub(crate) fn origin_of(&self, diagnostic: &language::Diagnostic) -> Option<Box<Origin>> {
-        if diagnostic.number == Number::TERMAC_GENERATED {
+    pub(crate) fn origin_of(&self, diagnostic: &language::MacroDiagnostic) -> Option<Box<DiagnosticOrigin>> {
+        if diagnostic.number == DiagnosticNumber::TERMAC_GENERATED {
             return None;
         }
         let function = diagnostic.macro_name.as_deref().filter(|_| diagnostic.in_function);
-        Some(Box::new(Origin {
+        Some(Box::new(DiagnosticOrigin {
             name: function.or_else(|| self.called_name()).unwrap_or_default().into(),
             file: diagnostic.file.as_str().into(),
             line: diagnostic.line,
@@ -91,7 +91,7 @@ impl Kernel<'_> {
         &mut self,
         (number, severity): (u32, u8),
         text: String,
-        (origin, stops): (Option<Box<Origin>>, bool),
+        (origin, stops): (Option<Box<DiagnosticOrigin>>, bool),
     ) {
         let enabled = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         let enabled = self.channel.env.machine.diagnostics.is_plain() || enabled();
@@ -102,7 +102,7 @@ impl Kernel<'_> {
             }
             return;
         }
-        let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
+        let own = number == DiagnosticNumber::AUTHOR.0 || number == DiagnosticNumber::TERMAC_GENERATED.0;
         let (severity, on) = match runtime.diagnostics.severities.get(&number) {
             Some(&(changed, on)) if !own => (changed, on),
             _ => (severity, own || enabled),
@@ -128,15 +128,15 @@ impl Kernel<'_> {
         stops: bool,
     ) {
         let mut arguments = [
-            Value::Real(f64::from(u8::from(on))),
-            Value::Real(f64::from(number)),
-            Value::Real(f64::from(severity)),
-            Value::Real(f64::from(times)),
-            Value::text(text),
+            MacroValue::Real(f64::from(u8::from(on))),
+            MacroValue::Real(f64::from(number)),
+            MacroValue::Real(f64::from(severity)),
+            MacroValue::Real(f64::from(times)),
+            MacroValue::text(text),
         ];
         let [_, number, severity, _, text] = &arguments;
         let came = Arc::new([number.clone(), severity.clone(), text.clone()]);
-        match self.run_macro(code, Task::Diagnostic(came), &mut arguments) {
+        match self.run_macro(code, OutputTask::Diagnostic(came), &mut arguments) {
             Err(halt) => self.macros.calls.stop(halt),
             // OUTPUT has issued it already.
             Ok(1..) => {}
@@ -153,8 +153,10 @@ impl Kernel<'_> {
     }
 
     /// Issues the diagnostic in `$P2`, `$P3` and `$P5` of the diagnostic macro.
-    pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
-        let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
+    pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[MacroValue; 3]) -> Outcome<()> {
+        let wrong = |what: &str| {
+            MacroFault::new(DiagnosticNumber(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"))
+        };
         let index = number(Some(index)).ok_or_else(|| wrong("not a valid number"))?;
         let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("not a valid severity"))?;
         let text = text.as_text().ok_or_else(|| wrong("not a valid text"))?;
@@ -164,7 +166,7 @@ impl Kernel<'_> {
     }
 
     /// Counts and logs.
-    fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+    fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<DiagnosticOrigin>>) {
         self.channel.reports.alarms.count(severity);
         self.macros.books.diagnosed(severity);
         let class = match severity {
@@ -192,33 +194,34 @@ impl Kernel<'_> {
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.
-    pub(crate) fn severity_of(&mut self, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn severity_of(&mut self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
-            return Ok(Value::Real(-1.0));
+            return Ok(MacroValue::Real(-1.0));
         };
         if arguments.len() > 1 {
             let wanted = number(arguments.get(1)).filter(|severity| *severity < 100);
-            let wanted = wanted.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "a severity is 0 to 99"))?;
+            let wanted =
+                wanted.ok_or_else(|| MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, "a severity is 0 to 99"))?;
             self.macros.diagnostics.severities.insert(index, (wanted as u8, on));
         }
-        Ok(Value::Real(f64::from(severity)))
+        Ok(MacroValue::Real(f64::from(severity)))
     }
 
     /// `$FERSTA`: whether it was on before the change.
-    pub(crate) fn switched(&mut self, arguments: &[Value]) -> Value {
+    pub(crate) fn switched(&mut self, arguments: &[MacroValue]) -> MacroValue {
         let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
-            return Value::Logical(false);
+            return MacroValue::Logical(false);
         };
-        if let Some(wanted) = arguments.get(1).and_then(Value::as_logical) {
+        if let Some(wanted) = arguments.get(1).and_then(MacroValue::as_logical) {
             self.macros.diagnostics.severities.insert(index, (severity, wanted));
         }
-        Value::Logical(on)
+        MacroValue::Logical(on)
     }
 
     /// `$FERTXT`.
-    pub(crate) fn text_of(&self, arguments: &[Value]) -> Value {
+    pub(crate) fn text_of(&self, arguments: &[MacroValue]) -> MacroValue {
         let entry = number(arguments.first()).and_then(|number| self.entry(number));
-        Value::text(entry.map_or("", |(_, text)| text))
+        MacroValue::text(entry.map_or("", |(_, text)| text))
     }
 
     fn state_of(&self, number: u32) -> Option<(u8, bool)> {

@@ -4,16 +4,16 @@
 //! dialog without an answer fails as in the background. Fields are bound to `%G00` to `%G99`, to GLOBAL and OBJECT
 //! variables that are declared by name, and to system variables; the local variables of a macro are its own.
 
-use counterpoint_lang::bytecode::Shared;
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::host::Variables;
-use counterpoint_lang::value::{Kind, Value};
-use counterpoint_lang::vm::State;
+use counterpoint_lang::bytecode::SharedVariable;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::host::VariableHost;
+use counterpoint_lang::value::{MacroValue, ValueType};
+use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
 use counterpoint_machine::macros::system;
-use counterpoint_ports::dialog::operator::Question;
+use counterpoint_ports::dialog::operator::OpenDialog;
 use counterpoint_ports::dialog::{self, Dialog, Failure, FieldKind, answers};
 
 /// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
@@ -23,51 +23,51 @@ const DIALOG_TICKS: usize = 100;
 #[derive(Clone, Copy)]
 enum Bound {
     /// Shared by macros, with its type if it was declared with one.
-    Shared(Shared, Option<Kind>),
+    Shared(SharedVariable, Option<ValueType>),
     /// System variable.
     System(u32),
 }
 
-fn from_dialog(value: answers::Value) -> Value {
+fn from_dialog(value: answers::DialogValue) -> MacroValue {
     match value {
-        answers::Value::Flag(flag) => Value::Logical(flag),
-        answers::Value::Number(number) => Value::Real(number),
-        answers::Value::Text(text) => Value::text(text),
+        answers::DialogValue::Flag(flag) => MacroValue::Logical(flag),
+        answers::DialogValue::Number(number) => MacroValue::Real(number),
+        answers::DialogValue::Text(text) => MacroValue::text(text),
     }
 }
 
 /// Bytes of a text.
-fn length(value: &answers::Value) -> usize {
-    if let answers::Value::Text(text) = value { text.len() } else { 0 }
+fn length(value: &answers::DialogValue) -> usize {
+    if let answers::DialogValue::Text(text) = value { text.len() } else { 0 }
 }
 
-fn to_dialog(value: &Value) -> Option<answers::Value> {
+fn to_dialog(value: &MacroValue) -> Option<answers::DialogValue> {
     match value {
-        Value::Logical(flag) => Some(answers::Value::Flag(*flag)),
-        Value::Real(number) => Some(answers::Value::Number(*number)),
-        Value::Text(text) => Some(answers::Value::Text(text.as_ref().clone())),
+        MacroValue::Logical(flag) => Some(answers::DialogValue::Flag(*flag)),
+        MacroValue::Real(number) => Some(answers::DialogValue::Number(*number)),
+        MacroValue::Text(text) => Some(answers::DialogValue::Text(text.as_ref().clone())),
         _ => None,
     }
 }
 
 /// A value in the type that the variable has.
-fn typed(value: answers::Value, kind: Option<Kind>) -> Outcome<Value> {
+fn typed(value: answers::DialogValue, kind: Option<ValueType>) -> Outcome<MacroValue> {
     let text = value.to_string();
     let value = from_dialog(value);
     match kind {
         Some(kind) if value.kind() == Some(kind) => Ok(value),
         None => Ok(value),
-        Some(Kind::Text) => Ok(Value::text(text)),
-        Some(Kind::Real) if text.trim().parse::<f64>().is_ok_and(f64::is_finite) => {
-            Ok(Value::Real(text.trim().parse().unwrap_or(0.0)))
+        Some(ValueType::Text) => Ok(MacroValue::text(text)),
+        Some(ValueType::Real) if text.trim().parse::<f64>().is_ok_and(f64::is_finite) => {
+            Ok(MacroValue::Real(text.trim().parse().unwrap_or(0.0)))
         }
-        Some(kind) => Err(Fault::kind(kind.name(), &value)),
+        Some(kind) => Err(MacroFault::kind(kind.name(), &value)),
     }
 }
 
 impl Kernel<'_> {
     /// Shows a dialog; returns the label of its button.
-    pub(crate) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
+    pub(crate) fn show_dialog(&mut self, state: &mut MacroState, name: &str) -> Outcome<MacroValue> {
         let (machine, options) = (self.channel.env.machine, self.channel.env.options);
         if self.ports.control.operator().is_some() {
             self.pass_events_on();
@@ -90,8 +90,8 @@ impl Kernel<'_> {
             let value = self.bound(variable).and_then(|at| to_dialog(&self.bound_value(state, at)))?;
             // A field of numbers may be bound to a text.
             match &value {
-                answers::Value::Text(text) if takes_numbers(variable) => {
-                    Some(text.trim().parse().map_or(value, answers::Value::Number))
+                answers::DialogValue::Text(text) if takes_numbers(variable) => {
+                    Some(text.trim().parse().map_or(value, answers::DialogValue::Number))
                 }
                 _ => Some(value),
             }
@@ -99,8 +99,8 @@ impl Kernel<'_> {
         let mut asked = DIALOG_TICKS;
         let shown = match operator {
             Some(operator) if answer.is_none() => {
-                let mut ask = |dialog: &Dialog, values: &[(String, answers::Value)], problem: Option<&str>| {
-                    let answer = operator.ask(&Question { channel, file, line, dialog, values, problem })?;
+                let mut ask = |dialog: &Dialog, values: &[(String, answers::DialogValue)], problem: Option<&str>| {
+                    let answer = operator.ask(&OpenDialog { channel, file, line, dialog, values, problem })?;
                     let values = values.iter().map(|(_, value)| value).chain(answer.values.values());
                     asked = values.map(length).fold(asked.saturating_add(DIALOG_TICKS), usize::saturating_add);
                     Ok(answer)
@@ -114,19 +114,19 @@ impl Kernel<'_> {
         state.spend(asked)?;
         let shown = shown.map_err(|failure: Failure| {
             let number = match failure {
-                Failure::Declined(_) | Failure::Late(_) => Number::NOT_ANSWERED,
-                Failure::Unknown(_) | Failure::Unanswered(_) | Failure::Refused(_) => Number::NO_DIALOG,
+                Failure::Declined(_) | Failure::Late(_) => DiagnosticNumber::NOT_ANSWERED,
+                Failure::Unknown(_) | Failure::Unanswered(_) | Failure::Refused(_) => DiagnosticNumber::NO_DIALOG,
             };
-            Fault::new(number, failure.to_string())
+            MacroFault::new(number, failure.to_string())
         })?;
         for (variable, value) in shown.values {
             let Some(at) = self.bound(&variable) else {
                 let text = format!("the dialog '{name}' sets {variable}, which is not a variable shared by macros");
-                return Err(Fault::new(Number::NO_DIALOG, text));
+                return Err(MacroFault::new(DiagnosticNumber::NO_DIALOG, text));
             };
             self.set_bound(state, at, value)?;
         }
-        Ok(Value::text(shown.button))
+        Ok(MacroValue::text(shown.button))
     }
 
     /// Passes the events before a question on to watchers while the job waits for the operator. The log is unchanged:
@@ -148,25 +148,27 @@ impl Kernel<'_> {
         let runtime = &*self.macros;
         if let Some(number) = name.strip_prefix("%G") {
             let number = number.parse::<u32>().ok().filter(|number| *number < 100)?;
-            return Some(Bound::Shared(Shared::Global(number), None));
+            return Some(Bound::Shared(SharedVariable::Global(number), None));
         }
         let (shared, kind) = runtime.program.shared_variable(&name)?;
         Some(Bound::Shared(shared, kind))
     }
 
-    fn bound_value(&mut self, state: &mut State, at: Bound) -> Value {
+    fn bound_value(&mut self, state: &mut MacroState, at: Bound) -> MacroValue {
         match at {
-            Bound::System(index) => self.read_variable(index, &[]).unwrap_or(Value::Null),
-            Bound::Shared(Shared::Object(index), _) => state.object(index).map_or(Value::Unset, |value| value.clone()),
-            Bound::Shared(Shared::Global(index), _) => {
-                let mut found = Value::Unset;
+            Bound::System(index) => self.read_variable(index, &[]).unwrap_or(MacroValue::Null),
+            Bound::Shared(SharedVariable::Object(index), _) => {
+                state.object(index).map_or(MacroValue::Unset, |value| value.clone())
+            }
+            Bound::Shared(SharedVariable::Global(index), _) => {
+                let mut found = MacroValue::Unset;
                 self.global(index, None, &mut |value| found = value.clone());
                 found
             }
         }
     }
 
-    fn set_bound(&mut self, state: &mut State, at: Bound, value: answers::Value) -> Outcome<()> {
+    fn set_bound(&mut self, state: &mut MacroState, at: Bound, value: answers::DialogValue) -> Outcome<()> {
         let own = match at {
             Bound::System(index) => system::table().get(index as usize).and_then(|row| row.kind),
             Bound::Shared(_, kind) => kind,
@@ -174,12 +176,12 @@ impl Kernel<'_> {
         let value = typed(value, own)?;
         match at {
             Bound::System(index) => self.write_variable(index, &[], value)?,
-            Bound::Shared(Shared::Object(index), _) => {
+            Bound::Shared(SharedVariable::Object(index), _) => {
                 if let Some(slot) = state.object(index) {
                     *slot = value;
                 }
             }
-            Bound::Shared(Shared::Global(index), _) => {
+            Bound::Shared(SharedVariable::Global(index), _) => {
                 let growth = value.as_text().map_or(0, str::len) + 100;
                 self.global(index, Some(growth), &mut |slot| *slot = value.clone());
             }

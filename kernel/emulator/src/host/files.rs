@@ -5,9 +5,9 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, FileFn, Files, Folder, NOT_FOUND, Shelf, stored};
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, State};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, FileFacts, FileFn, FileHost, MacroFolder, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{self, MacroState};
 use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
@@ -15,12 +15,12 @@ use crate::channel::access::Door;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::files::Bytes;
-use counterpoint_sync::files::Written;
-use counterpoint_sync::races::Mode;
+use counterpoint_sync::files::SharedFiles;
+use counterpoint_sync::races::AccessMode;
 
 impl Kernel<'_> {
     /// Runs an operation on the folder of the run and its files.
-    fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
+    fn with_files<R>(&mut self, work: impl FnOnce(&mut MacroFolder, &mut dyn Shelf) -> R) -> R {
         let mut folder = std::mem::take(&mut self.macros.outside.folder);
         let result = work(&mut folder, self);
         self.macros.outside.folder = folder;
@@ -28,7 +28,12 @@ impl Kernel<'_> {
     }
 
     /// A function of files.
-    pub(crate) fn file_function(&mut self, state: &mut State, function: FileFn, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn file_function(
+        &mut self,
+        state: &mut MacroState,
+        function: FileFn,
+        arguments: &[MacroValue],
+    ) -> Outcome<MacroValue> {
         let program =
             self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
@@ -43,13 +48,17 @@ impl Kernel<'_> {
         if halt != Halt::Stopped {
             vm::close_all(&mut state, self);
         }
-        self.with_files(Folder::clean);
+        self.with_files(MacroFolder::clean);
         self.macros.outside.leaving = false;
         self.macros.calls.put_state(state);
     }
 
     /// Works on the files that macros have written, in its turn.
-    pub(crate) fn job_files<R>(&mut self, mode: Mode, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
+    pub(crate) fn job_files<R>(
+        &mut self,
+        mode: AccessMode,
+        work: impl FnOnce(&mut SharedFiles) -> R,
+    ) -> Result<R, i32> {
         self.access(Door::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
             self.macros.calls.stop(halt);
             FAILED
@@ -57,8 +66,8 @@ impl Kernel<'_> {
     }
 }
 
-impl Files for Kernel<'_> {
-    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+impl FileHost for Kernel<'_> {
+    fn may_open(&mut self, state: &mut MacroState, path: &str) -> i32 {
         self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 
@@ -82,12 +91,12 @@ impl Shelf for Kernel<'_> {
                 .map(|text| String::from_utf8_lossy(text).into_owned())
                 .ok_or(NOT_FOUND);
         }
-        match self.job_files(Mode::Read, |written| written.get(path))? {
+        match self.job_files(AccessMode::Read, |written| written.get(path))? {
             Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
             None => match self.channel.env.files.read(path) {
                 Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
-                Err(counterpoint_ports::files::Error::Missing(_)) => Err(NOT_FOUND),
-                Err(counterpoint_ports::files::Error::Unreadable { .. }) => Err(FAILED),
+                Err(counterpoint_ports::files::FileError::Missing(_)) => Err(NOT_FOUND),
+                Err(counterpoint_ports::files::FileError::Unreadable { .. }) => Err(FAILED),
             },
         }
     }
@@ -102,7 +111,7 @@ impl Shelf for Kernel<'_> {
             return Ok(());
         }
         let limit = self.channel.env.shares().common;
-        let (done, over) = self.job_files(Mode::Write, |written| {
+        let (done, over) = self.job_files(AccessMode::Write, |written| {
             let done = written.put(path, text);
             (done, written.bytes() as u64 > limit)
         })?;
@@ -117,13 +126,14 @@ impl Shelf for Kernel<'_> {
         })
     }
 
-    fn facts(&mut self, path: &str) -> Result<Facts, i32> {
+    fn facts(&mut self, path: &str) -> Result<FileFacts, i32> {
         if stored(path) {
             return stored_file(self.channel.env.machine, path)
-                .map(|text| Facts::file(text.len(), true))
+                .map(|text| FileFacts::file(text.len(), true))
                 .ok_or(NOT_FOUND);
         }
-        let (text, folder) = self.job_files(Mode::Read, |written| (written.get(path), written.has_folder(path)))?;
+        let (text, folder) =
+            self.job_files(AccessMode::Read, |written| (written.get(path), written.has_folder(path)))?;
         let size = match text {
             Some(text) => text.map(|text| text.len()),
             None => self.channel.env.files.read(path).ok().map(|text| text.len()),
@@ -133,8 +143,8 @@ impl Shelf for Kernel<'_> {
             path == "." || folder || self.channel.env.files.list().iter().any(inside)
         };
         match size {
-            Some(size) => Ok(Facts::file(size, false)),
-            None if folder() => Ok(Facts::folder()),
+            Some(size) => Ok(FileFacts::file(size, false)),
+            None if folder() => Ok(FileFacts::folder()),
             None => Err(NOT_FOUND),
         }
     }

@@ -3,13 +3,15 @@
 //! Facts: reference functions.md. Functions of a machine model answer as a control without a model does: nothing, with
 //! one message a run.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::format::{
+    ColumnStyle, FormatRegister, Numeric, PointStyle as Dot, ZeroStyle as Fill, wildcard_text,
+};
 use counterpoint_lang::host::{AbsentFn, HostFn, macro_states};
 use counterpoint_lang::pattern::STEPS;
-use counterpoint_lang::value::{Kind, Value};
-use counterpoint_lang::vm::State;
+use counterpoint_lang::value::{MacroValue, ValueType};
+use counterpoint_lang::vm::MacroState;
 use counterpoint_machine::Machine;
 
 use super::rotary::only_axes;
@@ -18,27 +20,27 @@ use crate::host::kinematics;
 use crate::host::variables::offsets;
 use crate::macros::parts::Restart;
 use crate::macros::store::names;
-use crate::state::channel::Channel;
-use crate::state::frames::offsets::{Radii, Table};
+use crate::state::channel::ChannelContext;
+use crate::state::frames::offsets::{OffsetTable, Radii};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use counterpoint_machine::macros::without;
-use counterpoint_machine::rows::{NumberFormat, Point, Register as MachineRegister, Zeros};
+use counterpoint_machine::rows::{DecimalPointRule, NumberFormat, Register as MachineRegister, ZeroRule};
 
-fn text(arguments: &[Value], at: usize) -> &str {
-    arguments.get(at).and_then(Value::as_text).unwrap_or("")
+fn text(arguments: &[MacroValue], at: usize) -> &str {
+    arguments.get(at).and_then(MacroValue::as_text).unwrap_or("")
 }
 
 impl Kernel<'_> {
     pub(crate) fn macro_function(
         &mut self,
-        state: &mut State,
+        state: &mut MacroState,
         function: HostFn,
-        arguments: &[Value],
-    ) -> Outcome<Value> {
+        arguments: &[MacroValue],
+    ) -> Outcome<MacroValue> {
         Ok(match function {
-            HostFn::EndOfProgram => Value::Logical(self.at_end()),
+            HostFn::EndOfProgram => MacroValue::Logical(self.at_end()),
             HostFn::SearchForward => self.search_program(state, arguments, true)?,
             HostFn::SearchBackward => self.search_program(state, arguments, false)?,
             HostFn::DiagnosticSeverity => self.severity_of(arguments)?,
@@ -46,11 +48,11 @@ impl Kernel<'_> {
             HostFn::DiagnosticText => self.text_of(arguments),
             HostFn::MacroNames => self.macro_ids(state, arguments)?,
             HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
-            HostFn::RegisterFormat => Value::text(register_format(&self.channel, arguments)),
+            HostFn::RegisterFormat => MacroValue::text(register_format(&self.channel, arguments)),
             HostFn::RegisterPosition => {
                 let register = register_at(self.channel.env.machine, arguments.first());
                 let index = register.map(|register| self.channel.env.machine.registers[register].index);
-                index.map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
+                index.map_or(MacroValue::Real(-1.0), |index| MacroValue::Real(f64::from(index)))
             }
             HostFn::AddItem | HostFn::TakeItem | HostFn::SeekItem if self.before_block() => {
                 return Self::not_here(function.name());
@@ -62,9 +64,9 @@ impl Kernel<'_> {
             HostFn::SetActiveCode => self.active_code(arguments, true),
             HostFn::DataAsCode => self.data_as_code(arguments),
             HostFn::NcVariable => self.nc_variable(arguments),
-            HostFn::SetNcVariable => Value::Logical(self.set_nc_variable(arguments)),
+            HostFn::SetNcVariable => MacroValue::Logical(self.set_nc_variable(arguments)),
             HostFn::PreProcessorSetting => self.preprocessor_setting(state, arguments),
-            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::MachineFrame => MacroValue::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             HostFn::Restart => self.restart_with(state, arguments)?,
             HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
             HostFn::ForwardKinematics => kinematics::forward(&self.channel, arguments)?,
@@ -74,12 +76,12 @@ impl Kernel<'_> {
             HostFn::Unwind => self.unwind_named(only_axes(arguments)?),
             HostFn::CutterDiameter => offsets::read_radius(&self.channel, Radii::Cutter, arguments)?,
             HostFn::CornerRadius => offsets::read_radius(&self.channel, Radii::Corner, arguments)?,
-            HostFn::LengthOffset => offsets::read_offset(&self.channel, Table::Length, arguments)?,
-            HostFn::WorkOffset => offsets::read_offset(&self.channel, Table::Work, arguments)?,
+            HostFn::LengthOffset => offsets::read_offset(&self.channel, OffsetTable::Length, arguments)?,
+            HostFn::WorkOffset => offsets::read_offset(&self.channel, OffsetTable::Work, arguments)?,
             HostFn::SetCutterDiameter => offsets::write_radius(&mut self.channel, Radii::Cutter, arguments)?,
             HostFn::SetCornerRadius => offsets::write_radius(&mut self.channel, Radii::Corner, arguments)?,
-            HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
-            HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
+            HostFn::SetLengthOffset => self.write_offset(OffsetTable::Length, arguments)?,
+            HostFn::SetWorkOffset => self.write_offset(OffsetTable::Work, arguments)?,
             HostFn::LocalFrame => self.give_frame(arguments)?,
             HostFn::File(function) => self.file_function(state, function, arguments)?,
             HostFn::Absent(AbsentFn::Apply) if self.components.is_composite() => self.ask_for_component(arguments)?,
@@ -88,24 +90,25 @@ impl Kernel<'_> {
     }
 
     /// Answers a function that has nothing to work on, and reports that once for each function.
-    fn absent(&mut self, state: &mut State, function: AbsentFn) -> Value {
+    fn absent(&mut self, state: &mut MacroState, function: AbsentFn) -> MacroValue {
         let of = HostFn::Absent(function);
         let asked = &mut self.macros.outside.asked;
         if !asked.absent.contains(&function) {
             asked.absent.push(function);
-            state.warn(Fault::new(Number::NO_MODEL, format!("{} {}", of.name(), without::why(function))));
+            state
+                .warn(MacroFault::new(DiagnosticNumber::NO_MODEL, format!("{} {}", of.name(), without::why(function))));
         }
-        of.result().map_or(Value::Null, Kind::initial)
+        of.result().map_or(MacroValue::Null, ValueType::initial)
     }
 
     /// `$FAPPLY`: another component works in this channel from the next block on.
-    fn ask_for_component(&mut self, arguments: &[Value]) -> Outcome<Value> {
+    fn ask_for_component(&mut self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         if self.channel.at.channel == 0 || self.inside(Hook::Declaration) || self.inside(Hook::ProgramShutdown) {
             return Self::not_here("$FAPPLY");
         }
         let keyword = |code: &i32| counterpoint_lang::ident::minor_name(*code);
         let wanted = match arguments.first() {
-            Some(Value::Keyword(code)) => keyword(code).unwrap_or(""),
+            Some(MacroValue::Keyword(code)) => keyword(code).unwrap_or(""),
             _ => text(arguments, 0).trim(),
         };
         let (components, channel) = (&mut self.components, self.channel.at.channel);
@@ -113,37 +116,39 @@ impl Kernel<'_> {
             let own = components.all.iter().filter(|component| component.channels.contains(&channel));
             let own = own.map(|component| component.designator).collect::<Vec<_>>().join(", ");
             let text = format!("channel {channel} has no component '{wanted}'; its components are {own}");
-            return Err(Fault::new(Number::BAD_VALUE, text));
+            return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, text));
         };
         let changes = components.turns.wanted.or(components.turns.now) != Some(place);
         components.turns.wanted = Some(place).filter(|place| components.turns.now != Some(*place));
-        Ok(Value::Logical(changes))
+        Ok(MacroValue::Logical(changes))
     }
 
     /// `$FCERST`: continues with another file after the shutdown macro has ended.
-    fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+    fn restart_with(&mut self, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
             return Self::not_here(HostFn::Restart.name());
         }
         let name = text(arguments, 0).trim();
-        let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);
-        let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
+        let line = arguments.get(1).and_then(MacroValue::as_real).unwrap_or(1.0);
+        let reset = arguments.get(2).and_then(MacroValue::as_logical).unwrap_or(false);
         let file = self.channel.env.info.files.iter().position(|file| file.name == name);
         let good = (1.0..=f64::from(u32::MAX)).contains(&line);
         let (Some(file), true) = (file, good) else {
-            state.warn(Fault::new(
-                Number::NO_FILE,
+            state.warn(MacroFault::new(
+                DiagnosticNumber::NO_FILE,
                 format!("the job has no file '{name}' with a line {line} to continue"),
             ));
-            return Ok(Value::Logical(false));
+            return Ok(MacroValue::Logical(false));
         };
         self.macros.course.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
-        Ok(Value::Logical(true))
+        Ok(MacroValue::Logical(true))
     }
 
     /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.
-    fn macro_ids(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
-        let Some(macros) = self.channel.env.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
+    fn macro_ids(&mut self, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+        let Some(macros) = self.channel.env.machine.macros.as_deref() else {
+            return Ok(MacroValue::sequence(Vec::new()));
+        };
         let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
         let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
         let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
@@ -156,21 +161,21 @@ impl Kernel<'_> {
             let call = self.macros.calls.running.last();
             let running = call.map(|call| call.code);
             for (_, id, name) in all.filter(|(code, ..)| Some(*code) == running).take(1) {
-                found.extend([Value::Real(f64::from(id)), Value::text(self.called_name().unwrap_or(name))]);
+                found.extend([MacroValue::Real(f64::from(id)), MacroValue::text(self.called_name().unwrap_or(name))]);
             }
-            return Ok(Value::sequence(found));
+            return Ok(MacroValue::sequence(found));
         }
         // Ones of the mask ask for macros of the control, tens for those of a model, which is not there.
-        let wanted = arguments.get(1).and_then(Value::as_real).is_none_or(|mask| (mask % 10.0).trunc() == 1.0);
+        let wanted = arguments.get(1).and_then(MacroValue::as_real).is_none_or(|mask| (mask % 10.0).trunc() == 1.0);
         let pattern = state.pattern(expression)?;
         let mut budget = STEPS;
         for (_, id, name) in all.filter(|_| wanted) {
             state.spend(1 + name.len())?;
             if pattern.find(name, 0, &mut budget)?.is_some() {
-                found.extend([Value::Real(f64::from(id)), Value::text(name)]);
+                found.extend([MacroValue::Real(f64::from(id)), MacroValue::text(name)]);
             }
         }
-        Ok(Value::sequence(found))
+        Ok(MacroValue::sequence(found))
     }
 
     /// State of a macro before it was switched.
@@ -195,22 +200,22 @@ impl Kernel<'_> {
     }
 
     /// `$FCEGNCV`
-    fn nc_variable(&mut self, arguments: &[Value]) -> Value {
+    fn nc_variable(&mut self, arguments: &[MacroValue]) -> MacroValue {
         let name = text(arguments, 0).trim().to_owned();
         let indices = indices(arguments, 1);
         let found = self.with_interpreter(|interpreter, kernel| interpreter.variable(kernel, &name, &indices));
         match found {
-            Some(Ok(value)) => value.unwrap_or(Value::Null),
+            Some(Ok(value)) => value.unwrap_or(MacroValue::Null),
             Some(Err(halt)) => {
                 self.macros.calls.stop(halt);
-                Value::Null
+                MacroValue::Null
             }
-            None => Value::Null,
+            None => MacroValue::Null,
         }
     }
 
     /// `$FCESNCV`
-    fn set_nc_variable(&mut self, arguments: &[Value]) -> bool {
+    fn set_nc_variable(&mut self, arguments: &[MacroValue]) -> bool {
         let name = text(arguments, 0).trim().to_owned();
         let indices = indices(arguments, 2);
         let Some(value) = arguments.get(1) else { return false };
@@ -227,32 +232,32 @@ impl Kernel<'_> {
 
     /// Text of the last message to the operator.
     pub(crate) fn show_display(&mut self, text: &str) {
-        self.store(names().display, || Value::text(text));
+        self.store(names().display, || MacroValue::text(text));
     }
 }
 
 /// Indices after the name of a variable.
-fn indices(arguments: &[Value], from: usize) -> Vec<f64> {
-    arguments.get(from..).unwrap_or_default().iter().filter_map(Value::as_real).collect()
+fn indices(arguments: &[MacroValue], from: usize) -> Vec<f64> {
+    arguments.get(from..).unwrap_or_default().iter().filter_map(MacroValue::as_real).collect()
 }
 
 /// A register's format as a format of the language.
 fn numeric(format: &NumberFormat) -> Numeric {
-    let fill = |zeros: Zeros| match zeros {
-        Zeros::Keep => Fill::Shown,
-        Zeros::One => Fill::KeepOne,
-        Zeros::Omit => Fill::Dropped,
+    let fill = |zeros: ZeroRule| match zeros {
+        ZeroRule::Keep => Fill::Shown,
+        ZeroRule::One => Fill::KeepOne,
+        ZeroRule::Omit => Fill::Dropped,
     };
     Numeric {
-        style: Style::Variable,
+        style: ColumnStyle::Variable,
         plus: format.plus,
         lead: fill(format.lead),
         whole: format.whole,
         groups: Vec::new(),
         point: match format.point {
-            Point::Keep if format.frac > 0 => Dot::Always,
-            Point::Keep | Point::Omit => Dot::Implied,
-            Point::Fractional => Dot::WithFraction,
+            DecimalPointRule::Keep if format.frac > 0 => Dot::Always,
+            DecimalPointRule::Keep | DecimalPointRule::Omit => Dot::Implied,
+            DecimalPointRule::Fractional => Dot::WithFraction,
         },
         fraction: format.frac,
         trail: fill(format.trail),
@@ -261,14 +266,14 @@ fn numeric(format: &NumberFormat) -> Numeric {
 
 /// The same as format text for `$FSWRIT`.
 fn descriptor(format: &NumberFormat) -> String {
-    let zeros = |zeros: Zeros| match zeros {
-        Zeros::Keep => "",
-        Zeros::One => "e",
-        Zeros::Omit => "s",
+    let zeros = |zeros: ZeroRule| match zeros {
+        ZeroRule::Keep => "",
+        ZeroRule::One => "e",
+        ZeroRule::Omit => "s",
     };
     let point = match format.point {
-        Point::Keep if format.frac > 0 => ".",
-        Point::Fractional => "f",
+        DecimalPointRule::Keep if format.frac > 0 => ".",
+        DecimalPointRule::Fractional => "f",
         _ => "",
     };
     let plus = if format.plus { "+" } else { "" };
@@ -277,11 +282,11 @@ fn descriptor(format: &NumberFormat) -> String {
 }
 
 /// Register by its number in the list, or by the start of its descriptor.
-fn register_at(machine: &Machine, value: Option<&Value>) -> Option<RegisterId> {
+fn register_at(machine: &Machine, value: Option<&MacroValue>) -> Option<RegisterId> {
     let registers = &machine.registers;
     match value? {
-        Value::Real(index) => registers.find(|register| f64::from(register.index) == *index),
-        Value::Text(text) => {
+        MacroValue::Real(index) => registers.find(|register| f64::from(register.index) == *index),
+        MacroValue::Text(text) => {
             let text = text.trim();
             let exact = registers.find(|register| register.name == text);
             let described = |register: &MachineRegister| {
@@ -294,7 +299,7 @@ fn register_at(machine: &Machine, value: Option<&Value>) -> Option<RegisterId> {
     }
 }
 
-fn register_format(channel: &Channel<'_>, arguments: &[Value]) -> String {
+fn register_format(channel: &ChannelContext<'_>, arguments: &[MacroValue]) -> String {
     match register_at(channel.env.machine, arguments.first()).map(|at| &channel.env.machine.registers[at]) {
         Some(register) => descriptor(if channel.state.secondary { &register.secondary } else { &register.format }),
         None => String::new(),
@@ -303,14 +308,14 @@ fn register_format(channel: &Channel<'_>, arguments: &[Value]) -> String {
 
 /// A register as text: `!(@n)`, `!(@X)` and their kind.
 pub(crate) fn register_word(
-    channel: &mut Channel<'_>,
-    register: Register,
+    channel: &mut ChannelContext<'_>,
+    register: FormatRegister,
     value: Option<f64>,
     word: bool,
 ) -> Option<String> {
     let at = match register {
-        Register::Letter(letter) => register_at(channel.env.machine, Some(&Value::text(letter.to_string()))),
-        Register::Index(index) => register_at(channel.env.machine, Some(&Value::Real(f64::from(index)))),
+        FormatRegister::Letter(letter) => register_at(channel.env.machine, Some(&MacroValue::text(letter.to_string()))),
+        FormatRegister::Index(index) => register_at(channel.env.machine, Some(&MacroValue::Real(f64::from(index)))),
     }?;
     let register = &channel.env.machine.registers[at];
     let value = match value {

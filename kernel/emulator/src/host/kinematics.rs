@@ -5,14 +5,14 @@
 
 use crate::host::rotary;
 use crate::host::variables::positions;
-use crate::state::channel::Channel;
-use crate::state::position::Place;
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use super::rotary::{Named, is};
+use super::rotary::{RotarySubject, is};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
@@ -20,16 +20,16 @@ use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 /// Six numbers by the elements of `$AXES`, or position and direction.
 type Six = [f64; 6];
 
-fn numbers(value: Option<&Value>, mut into: Six) -> Outcome<Six> {
+fn numbers(value: Option<&MacroValue>, mut into: Six) -> Outcome<Six> {
     match value {
-        Some(Value::Sequence(given)) => {
+        Some(MacroValue::Sequence(given)) => {
             for (slot, value) in into.iter_mut().zip(given.iter()) {
-                *slot = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
+                *slot = value.as_real().ok_or_else(|| MacroFault::kind("a number", value))?;
             }
             Ok(into)
         }
         None => Ok(into),
-        Some(value) => Err(Fault::kind("a sequence", value)),
+        Some(value) => Err(MacroFault::kind("a sequence", value)),
     }
 }
 
@@ -38,7 +38,7 @@ fn halves([x, y, z, i, j, k]: Six) -> (Point, Point) {
 }
 
 /// Machine positions of `$XM` where the axes are.
-fn machine_now(channel: &Channel<'_>) -> Position {
+fn machine_now(channel: &ChannelContext<'_>) -> Position {
     let mut at = channel.state.place.machine_point(&channel.state.place.position);
     for ((slot, shift), preset) in at.iter_mut().zip(&channel.state.place.shift).zip(&channel.state.place.preset) {
         *slot += preset - shift;
@@ -47,7 +47,7 @@ fn machine_now(channel: &Channel<'_>) -> Position {
 }
 
 /// From positions of `$XM` to the joints without a tool, by channel axis.
-fn fixture(channel: &Channel<'_>) -> Position {
+fn fixture(channel: &ChannelContext<'_>) -> Position {
     let tool = channel.tool_shift();
     let mut fixture = [0.0; MAX_AXES];
     for (((slot, shift), preset), tool) in
@@ -59,7 +59,7 @@ fn fixture(channel: &Channel<'_>) -> Position {
 }
 
 /// `$FDK`: position and direction on the part of machine positions.
-pub(crate) fn forward(channel: &Channel<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(crate) fn forward(channel: &ChannelContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let given = numbers(arguments.first(), by_elements(&channel.state.place, &machine_now(channel)))?;
     let fixture = fixture(channel);
     let mut joints = machine_now(channel);
@@ -74,31 +74,31 @@ pub(crate) fn forward(channel: &Channel<'_>, arguments: &[Value]) -> Outcome<Val
     let chain = channel.chain();
     let angle = |axis: AxisSlot| joints.at(axis);
     let tip = chain.tip(channel.state.place.geometry(&joints), [0.0; 3], angle);
-    let (Some(tip), Some(direction)) = (tip, chain.direction(angle)) else { return Ok(Value::Null) };
+    let (Some(tip), Some(direction)) = (tip, chain.direction(angle)) else { return Ok(MacroValue::Null) };
     let base = channel.state.place.geometry(&fixture);
     let mut point = tip;
     for (slot, base) in point.iter_mut().zip(base) {
         *slot -= base;
     }
-    Ok(Value::numbers(&[programmed_units(&channel.state.place, point), direction].concat()))
+    Ok(MacroValue::numbers(&[programmed_units(&channel.state.place, point), direction].concat()))
 }
 
 /// `$FIK`: machine positions of a position and direction on the part.
-pub(crate) fn backward(channel: &Channel<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(crate) fn backward(channel: &ChannelContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (given, number) = match arguments {
         [] => (None, None),
-        [first @ Value::Sequence(_)] => (Some(first), None),
+        [first @ MacroValue::Sequence(_)] => (Some(first), None),
         [first] => (None, Some(first)),
         [first, second, ..] => (Some(first), Some(second)),
     };
     let now = match forward(channel, &[])? {
-        value @ Value::Sequence(_) => numbers(Some(&value), [0.0; 6])?,
-        _ => return Ok(Value::Null),
+        value @ MacroValue::Sequence(_) => numbers(Some(&value), [0.0; 6])?,
+        _ => return Ok(MacroValue::Null),
     };
     let (point, direction) = halves(numbers(given, now)?);
-    let number = number.and_then(Value::as_real).unwrap_or(0.0);
+    let number = number.and_then(MacroValue::as_real).unwrap_or(0.0);
     if ![0.0, 1.0, 2.0].contains(&number) {
-        return Err(Fault::new(Number::OUT_OF_RANGE, format!("a solution is 0, 1 or 2, not {number}")));
+        return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, format!("a solution is 0, 1 or 2, not {number}")));
     }
     let chain = channel.chain();
     let all: Vec<Angles<AxisSlot>> = if chain.tables.is_empty() && chain.heads.is_empty() {
@@ -108,11 +108,16 @@ pub(crate) fn backward(channel: &Channel<'_>, arguments: &[Value]) -> Outcome<Va
     };
     let reached: Vec<Six> = all.iter().map(|solution| machine_positions(channel, &chain, solution, point)).collect();
     let chosen = chosen(channel, &all, &reached, number).and_then(|at| reached.get(at));
-    Ok(chosen.map_or(Value::Null, |six| Value::numbers(six)))
+    Ok(chosen.map_or(MacroValue::Null, |six| MacroValue::numbers(six)))
 }
 
 /// Machine positions of a solution, by the elements of `$AXES`.
-fn machine_positions(channel: &Channel<'_>, chain: &Chain<AxisSlot>, solution: &Angles<AxisSlot>, point: Point) -> Six {
+fn machine_positions(
+    channel: &ChannelContext<'_>,
+    chain: &Chain<AxisSlot>,
+    solution: &Angles<AxisSlot>,
+    point: Point,
+) -> Six {
     let fixture = fixture(channel);
     let mut joints = machine_now(channel);
     for (slot, fixture) in joints.iter_mut().zip(fixture) {
@@ -147,7 +152,7 @@ fn machine_positions(channel: &Channel<'_>, chain: &Chain<AxisSlot>, solution: &
 
 /// The solution with a number: 0 is the first within the limits, 1 the one with the least turning (of equal
 /// solutions the one with the shortest travel of the linear axes), 2 the other solution.
-fn chosen(channel: &Channel<'_>, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
+fn chosen(channel: &ChannelContext<'_>, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
     if number != 1.0 && number != 2.0 {
         return all.iter().position(|one| channel.state.place.within(one)).or((!all.is_empty()).then_some(0));
     }
@@ -167,7 +172,10 @@ fn chosen(channel: &Channel<'_>, all: &[Angles<AxisSlot>], reached: &[Six], numb
 }
 
 /// Takes over changed kinematics; nothing moves. `false` if tool tip control could not continue.
-fn change_kinematics(channel: &mut Channel<'_>, change: impl FnOnce(&mut crate::state::frames::tip::Settings)) -> bool {
+fn change_kinematics(
+    channel: &mut ChannelContext<'_>,
+    change: impl FnOnce(&mut crate::state::frames::tip::TipSettings),
+) -> bool {
     let before = channel.state.others.tip.clone();
     change(&mut channel.state.others.tip);
     if channel.state.place.tip().is_none() {
@@ -185,19 +193,19 @@ fn change_kinematics(channel: &mut Channel<'_>, change: impl FnOnce(&mut crate::
 }
 
 /// `$FKINCFG`: moves a rotary axis or the tool axis, or puts it back.
-pub(crate) fn configure(channel: &mut Channel<'_>, arguments: &[Value]) -> Value {
+pub(crate) fn configure(channel: &mut ChannelContext<'_>, arguments: &[MacroValue]) -> MacroValue {
     let done = configured(channel, arguments).unwrap_or(false);
-    Value::Real(f64::from(u8::from(done)))
+    MacroValue::Real(f64::from(u8::from(done)))
 }
 
-fn configured(channel: &mut Channel<'_>, arguments: &[Value]) -> Option<bool> {
+fn configured(channel: &mut ChannelContext<'_>, arguments: &[MacroValue]) -> Option<bool> {
     let (named, count) = rotary::named_axis(channel, arguments, 0)?;
     let rest = arguments.get(count..)?;
     if is(rest.first(), "OFF") {
         return Some(match named {
-            Named::Missing => false,
-            Named::Tool => change_kinematics(channel, |settings| settings.direction = None),
-            Named::Axis(axis) => change_kinematics(channel, |s| s.changed.retain(|joint| joint.axis != axis)),
+            RotarySubject::Missing => false,
+            RotarySubject::Tool => change_kinematics(channel, |settings| settings.direction = None),
+            RotarySubject::Axis(axis) => change_kinematics(channel, |s| s.changed.retain(|joint| joint.axis != axis)),
         });
     }
     let mut six = [0.0; 6];
@@ -207,8 +215,8 @@ fn configured(channel: &mut Channel<'_>, arguments: &[Value]) -> Option<bool> {
     let (center, vector) = halves(six);
     let valid = rest.len() == 6 && unit(vector).is_some() && center.iter().all(|value| value.is_finite());
     Some(match named {
-        Named::Tool if valid => change_kinematics(channel, |settings| settings.direction = Some(vector)),
-        Named::Axis(axis) if valid && channel.state.place.layout.axes[axis].rotary => {
+        RotarySubject::Tool if valid => change_kinematics(channel, |settings| settings.direction = Some(vector)),
+        RotarySubject::Axis(axis) if valid && channel.state.place.layout.axes[axis].rotary => {
             change_kinematics(channel, |settings| {
                 settings.changed.retain(|joint| joint.axis != axis);
                 settings.changed.push(Joint { axis, vector, center });
@@ -219,30 +227,30 @@ fn configured(channel: &mut Channel<'_>, arguments: &[Value]) -> Option<bool> {
 }
 
 /// `$FKINROT`: the rotary axes of tool tip control.
-pub(crate) fn choose_rotary(channel: &mut Channel<'_>, arguments: &[Value]) -> Value {
+pub(crate) fn choose_rotary(channel: &mut ChannelContext<'_>, arguments: &[MacroValue]) -> MacroValue {
     let (mut at, mut chosen) = (0, Vec::new());
     while at < arguments.len() {
         match rotary::named_axis(channel, arguments, at) {
-            Some((Named::Axis(axis), count)) if channel.state.place.layout.axes[axis].rotary => {
+            Some((RotarySubject::Axis(axis), count)) if channel.state.place.layout.axes[axis].rotary => {
                 if chosen.contains(&axis) {
-                    return Value::Real(0.0);
+                    return MacroValue::Real(0.0);
                 }
                 chosen.push(axis);
                 at += count;
             }
-            _ => return Value::Real(0.0),
+            _ => return MacroValue::Real(0.0),
         }
     }
     let valid = (1..=2).contains(&chosen.len());
     let done = valid && change_kinematics(channel, |settings| settings.chosen = chosen);
-    Value::Real(f64::from(u8::from(done)))
+    MacroValue::Real(f64::from(u8::from(done)))
 }
 
-fn by_elements(place: &Place, of: &Position) -> Six {
+fn by_elements(place: &MotionState, of: &Position) -> Six {
     positions::six_axes(place).map(|axis| axis.map_or(0.0, |axis| of.at(axis)))
 }
 
-fn programmed_units(place: &Place, point: Point) -> Point {
+fn programmed_units(place: &MotionState, point: Point) -> Point {
     let mut point = point;
     for (role, slot) in point.iter_mut().enumerate() {
         *slot /= place.scale_of(role);

@@ -2,19 +2,19 @@
 //!
 //! Facts: reference functions.md 10.
 
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident::minor_code;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::clamps::Modulo;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::AxisSlot;
 
 /// Subject of a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Named {
+pub(crate) enum RotarySubject {
     /// The tool axis.
     Tool,
     /// An axis of the channel.
@@ -23,49 +23,56 @@ pub(crate) enum Named {
     Missing,
 }
 
-pub(crate) fn is(value: Option<&Value>, word: &str) -> bool {
-    matches!(value, Some(Value::Keyword(code)) if minor_code(word) == Some(*code))
+pub(crate) fn is(value: Option<&MacroValue>, word: &str) -> bool {
+    matches!(value, Some(MacroValue::Keyword(code)) if minor_code(word) == Some(*code))
 }
 
 /// Refuses arguments that can be neither an axis nor a setting of one.
-pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<&[Value]> {
-    let fits = |value: &&Value| matches!(value, Value::Real(_) | Value::Keyword(_) | Value::Record(_));
+pub(crate) fn only_axes(arguments: &[MacroValue]) -> Outcome<&[MacroValue]> {
+    let fits =
+        |value: &&MacroValue| matches!(value, MacroValue::Real(_) | MacroValue::Keyword(_) | MacroValue::Record(_));
     match arguments.iter().find(|value| !fits(value)) {
-        Some(other) => Err(Fault::kind("a number or a keyword", other)),
+        Some(other) => Err(MacroFault::kind("a number or a keyword", other)),
         None => Ok(arguments),
     }
 }
 
 impl Kernel<'_> {
     /// `$FUNWIND`: 1 if every axis that is named is a rotary one of the channel.
-    pub(crate) fn unwind_named(&mut self, arguments: &[Value]) -> Value {
+    pub(crate) fn unwind_named(&mut self, arguments: &[MacroValue]) -> MacroValue {
         let (mut at, mut done) = (0, true);
         while at < arguments.len() {
-            let Some((named, count)) = named_axis(&self.channel, arguments, at) else { return Value::Real(0.0) };
+            let Some((named, count)) = named_axis(&self.channel, arguments, at) else { return MacroValue::Real(0.0) };
             at += count;
             let words = [("NORMAL", Modulo::Normal), ("PLUS", Modulo::Plus), ("MINUS", Modulo::Minus)];
             let given = words.iter().find(|(word, _)| is(arguments.get(at), word)).map(|(_, modulo)| *modulo);
             at += usize::from(given.is_some());
             match named {
-                Named::Axis(axis) if self.channel.state.place.layout.axes[axis].rotary => {
+                RotarySubject::Axis(axis) if self.channel.state.place.layout.axes[axis].rotary => {
                     self.unwind_axis(axis, given.unwrap_or(Modulo::Normal));
                 }
                 _ => done = false,
             }
         }
-        Value::Real(f64::from(u8::from(done)))
+        MacroValue::Real(f64::from(u8::from(done)))
     }
 }
 
 /// The axis that the arguments from `at` on name, and how many of them do; none for anything else.
-pub(crate) fn named_axis(channel: &Channel<'_>, arguments: &[Value], at: usize) -> Option<(Named, usize)> {
+pub(crate) fn named_axis(
+    channel: &ChannelContext<'_>,
+    arguments: &[MacroValue],
+    at: usize,
+) -> Option<(RotarySubject, usize)> {
     let found = |ids: &[DataId]| {
-        ids.iter().find_map(|id| channel.state.place.axis_of_data(*id)).map_or(Named::Missing, Named::Axis)
+        ids.iter()
+            .find_map(|id| channel.state.place.axis_of_data(*id))
+            .map_or(RotarySubject::Missing, RotarySubject::Axis)
     };
     let first = arguments.get(at)?;
-    if let Value::Real(number) = first {
+    if let MacroValue::Real(number) = first {
         let ids: &[DataId] = match *number {
-            0.0 => return Some((Named::Tool, 1)),
+            0.0 => return Some((RotarySubject::Tool, 1)),
             7.0 => &[data::AXIS_AT],
             8.0 => &[data::AXIS_BT],
             9.0 => &[data::AXIS_CT, data::AXIS_CT2],
@@ -79,13 +86,13 @@ pub(crate) fn named_axis(channel: &Channel<'_>, arguments: &[Value], at: usize) 
         return Some((found(ids), 1));
     }
     if is(Some(first), "TOOL") {
-        return Some((Named::Tool, 1));
+        return Some((RotarySubject::Tool, 1));
     }
     let second = arguments.get(at + 1);
     if is(Some(first), "RAM") {
         let ids: &[DataId] = match second {
-            Some(Value::Real(1.0)) => &[data::AXIS_N],
-            Some(Value::Real(2.0)) => &[data::AXIS_N2],
+            Some(MacroValue::Real(1.0)) => &[data::AXIS_N],
+            Some(MacroValue::Real(2.0)) => &[data::AXIS_N2],
             _ => return None,
         };
         return Some((found(ids), 2));

@@ -2,10 +2,10 @@
 //!
 //! Facts: reference functions.md 9; the block in process is not looked at.
 
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::pattern::STEPS;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::State;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
 use crate::macros::store::names;
@@ -18,10 +18,15 @@ impl Kernel<'_> {
         !(frame.next..=frame.range.last).any(|line| !source.line(line).trim_ascii().is_empty())
     }
 
-    pub(crate) fn search_program(&mut self, state: &mut State, arguments: &[Value], forward: bool) -> Outcome<Value> {
+    pub(crate) fn search_program(
+        &mut self,
+        state: &mut MacroState,
+        arguments: &[MacroValue],
+        forward: bool,
+    ) -> Outcome<MacroValue> {
         let single;
         let expressions = match arguments.first() {
-            Some(Value::Sequence(all)) => all.as_slice(),
+            Some(MacroValue::Sequence(all)) => all.as_slice(),
             Some(one) => {
                 single = [one.clone()];
                 &single
@@ -30,16 +35,17 @@ impl Kernel<'_> {
         };
         let mut patterns = Vec::new();
         for expression in expressions {
-            let text = expression.as_text().ok_or_else(|| Fault::kind("a regular expression", expression))?;
+            let text = expression.as_text().ok_or_else(|| MacroFault::kind("a regular expression", expression))?;
             patterns.push(state.pattern(text)?);
         }
         let Some((file, range, next)) = self.flow.frames.last().map(|f| (f.file, f.range, f.next)) else {
-            return Ok(Value::Real(0.0));
+            return Ok(MacroValue::Real(0.0));
         };
-        let record = |at: usize| arguments.get(at).and_then(Value::as_real).map_or(0, |number| number.max(0.0) as u32);
+        let record =
+            |at: usize| arguments.get(at).and_then(MacroValue::as_real).map_or(0, |number| number.max(0.0) as u32);
         let (start, end) = (record(1), record(2));
         let sources = self.channel.env.sources;
-        let Some(source) = sources.get(file) else { return Ok(Value::Real(0.0)) };
+        let Some(source) = sources.get(file) else { return Ok(MacroValue::Real(0.0)) };
         let here = next.saturating_sub(1);
         let (mut line, last, step) = if forward {
             let first = if start == 0 { here + 1 } else { start };
@@ -58,12 +64,12 @@ impl Kernel<'_> {
                 state.spend(usize::try_from((before - budget) / 8).unwrap_or(usize::MAX))?;
                 if found?.is_some() {
                     let text = text.into_owned();
-                    self.macros.variables.store.set(names().mcdrd, Value::text(text));
-                    return Ok(Value::Real(f64::from(line)));
+                    self.macros.variables.store.set(names().mcdrd, MacroValue::text(text));
+                    return Ok(MacroValue::Real(f64::from(line)));
                 }
             }
             line = u32::try_from(i64::from(line) + step).unwrap_or(0);
         }
-        Ok(Value::Real(0.0))
+        Ok(MacroValue::Real(0.0))
     }
 }

@@ -5,16 +5,16 @@
 
 use std::collections::BTreeMap;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::vm::State;
-use counterpoint_sync::races::Mode;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::vm::MacroState;
+use counterpoint_sync::races::AccessMode;
 
 use crate::channel::Kernel;
 use crate::state::burden::shortened;
-use counterpoint_event::event::{Kind, Message};
+use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_ports::files::Bytes;
-use counterpoint_ports::system::{Answer, Call};
+use counterpoint_ports::system::{CommandOutcome, SystemCommand};
 
 /// Steps that a command costs.
 const TICKS: usize = 50_000;
@@ -22,14 +22,14 @@ const TICKS: usize = 50_000;
 const MOST_LINES: usize = 100;
 
 impl Kernel<'_> {
-    pub(crate) fn system_command(&mut self, state: &mut State, command: &str) -> Outcome<i32> {
+    pub(crate) fn system_command(&mut self, state: &mut MacroState, command: &str) -> Outcome<i32> {
         let control = self.ports.control;
         let Some(system) = control.system() else {
-            return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
+            return Err(MacroFault::new(DiagnosticNumber::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
         };
         control.note_outside();
         state.spend(TICKS)?;
-        let written = match self.job_files(Mode::Read, |written| written.all()) {
+        let written = match self.job_files(AccessMode::Read, |written| written.all()) {
             Ok(written) => written,
             Err(status) => return Ok(status),
         };
@@ -44,13 +44,13 @@ impl Kernel<'_> {
         let folder = self.macros.outside.folder.path().to_owned();
         let storage =
             self.channel.env.machine.storage.iter().map(|file| (file.path.clone(), file.content.clone())).collect();
-        let call = Call { command, folder: &folder, files: files.into_iter().collect(), storage };
+        let call = SystemCommand { command, folder: &folder, files: files.into_iter().collect(), storage };
         let answer = system.run(&call, &|| control.cancelled());
         self.take_answer(answer)
     }
 
-    fn take_answer(&mut self, Answer { status, output, written, removed }: Answer) -> Outcome<i32> {
-        let refused = self.job_files(Mode::Write, |files| {
+    fn take_answer(&mut self, CommandOutcome { status, output, written, removed }: CommandOutcome) -> Outcome<i32> {
+        let refused = self.job_files(AccessMode::Write, |files| {
             removed.iter().for_each(|path| files.remove(path));
             written.iter().find_map(|(path, text)| files.put(path, text).err())
         });
@@ -58,7 +58,7 @@ impl Kernel<'_> {
             self.diagnose(&counterpoint_fault::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.channel.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
+            self.channel.emit(0, Kind::Message(OperatorMessage { text: shortened(line).into(), printed: false }));
         }
         Ok(status)
     }

@@ -4,13 +4,13 @@
 //! parameters of EXEC. *Invariant:* a macro and everything it shows has one letter; without a trace nothing here is
 //! called.
 
-use counterpoint_lang::host::Step;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::host::TraceStep;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
 use crate::trace;
-use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::macros::model::{Hook, SELECT_TOOL};
 
 impl Kernel<'_> {
@@ -38,9 +38,9 @@ impl Kernel<'_> {
     }
 
     /// A step inside a macro: its statements, and the user functions it calls.
-    pub(crate) fn trace_step(&mut self, step: Step<'_>) {
+    pub(crate) fn trace_step(&mut self, step: TraceStep<'_>) {
         match step {
-            Step::Statement(code, text) => {
+            TraceStep::Statement(code, text) => {
                 let running = self.macros.calls.running.last().map(|call| call.code);
                 let letter = if code.is_function {
                     'H'
@@ -49,20 +49,20 @@ impl Kernel<'_> {
                 };
                 self.trace(letter, |_| trace::statement(text));
             }
-            Step::Entering(code) if code.is_function => {
+            TraceStep::Entering(code) if code.is_function => {
                 self.trace('H', |_| trace::entering(code.name, ""));
                 if let Some(call) = self.macros.calls.innermost() {
                     call.functions.push(code.name.to_owned());
                 }
             }
-            Step::Leaving(code, _) if code.is_function => {
+            TraceStep::Leaving(code, _) if code.is_function => {
                 if let Some(call) = self.macros.calls.innermost() {
                     call.functions.pop();
                 }
                 self.trace('H', |kernel| trace::leaving(code.name, "", kernel.running_name()));
             }
             // The caller of a macro of the machine shows it with its name in the machine.
-            Step::Entering(_) | Step::Leaving(..) => {}
+            TraceStep::Entering(_) | TraceStep::Leaving(..) => {}
         }
     }
 
@@ -72,12 +72,12 @@ impl Kernel<'_> {
     }
 
     /// EXEC of identifiers and values.
-    pub(crate) fn trace_exec_items(&mut self, now: bool, items: &[Value]) {
+    pub(crate) fn trace_exec_items(&mut self, now: bool, items: &[MacroValue]) {
         self.trace('X', |kernel| trace::exec(&format!("{},{}", when(now), kernel.listed(items))));
     }
 
     /// Identifiers and values as EXEC lists them.
-    pub(crate) fn listed(&self, items: &[Value]) -> String {
+    pub(crate) fn listed(&self, items: &[MacroValue]) -> String {
         let mut text = String::new();
         for (at, item) in items.iter().enumerate() {
             if at > 0 {
@@ -127,8 +127,8 @@ fn macro_name(machine: &Machine, code: u16, selects: bool) -> &str {
 fn matching_list(machine: &Machine, code: u16) -> String {
     let named = machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
     let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
-        Item::Code(id) => Some(machine.code_name(*id)),
-        Item::Data(_) => None,
+        BlockIdentifier::Code(id) => Some(machine.code_name(*id)),
+        BlockIdentifier::Data(_) => None,
     });
     list.collect::<Vec<_>>().join(", ")
 }

@@ -19,24 +19,24 @@ mod tip;
 
 use std::sync::OnceLock;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::macros::system::{self, Access, Variable};
+use counterpoint_machine::macros::system::{self, ControlVariable, ControlVariableAccess};
 
 /// Reads a variable off the kernel.
-type Read = fn(&Kernel<'_>, &[i64]) -> Value;
+type Read = fn(&Kernel<'_>, &[i64]) -> MacroValue;
 
 /// Writes a variable into the kernel.
-type Write = fn(&mut Kernel<'_>, &[i64], &Value) -> Outcome<()>;
+type Write = fn(&mut Kernel<'_>, &[i64], &MacroValue) -> Outcome<()>;
 
 /// Where a variable comes from.
 #[derive(Clone, Copy)]
-enum Source {
+enum VariableSource {
     /// Kept in the store.
     Kept,
     /// Read off the kernel; written if there is a path.
@@ -47,32 +47,32 @@ enum Source {
     Switch(Hook),
 }
 
-struct Row {
-    source: Source,
-    variable: &'static Variable,
+struct VariableEntry {
+    source: VariableSource,
+    variable: &'static ControlVariable,
 }
 
-fn rows() -> &'static [Row] {
-    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
+fn rows() -> &'static [VariableEntry] {
+    static ROWS: OnceLock<Vec<VariableEntry>> = OnceLock::new();
     ROWS.get_or_init(|| {
-        let row = |variable: &'static Variable| Row { source: source(&variable.name), variable };
+        let row = |variable: &'static ControlVariable| VariableEntry { source: source(&variable.name), variable };
         system::table().iter().map(row).collect()
     })
 }
 
-fn source(name: &str) -> Source {
+fn source(name: &str) -> VariableSource {
     if let Some(hook) = Hook::ALL.into_iter().find(|hook| hook.switch() == Some(name)) {
-        return Source::Switch(hook);
+        return VariableSource::Switch(hook);
     }
     if let Some(place) = positions::place(name) {
-        return Source::Position(place);
+        return VariableSource::Position(place);
     }
     let own = [cycles::find, spindles::find, threads::find, coolant::find];
     let own = own.into_iter().chain([kernels::find, frames::find, offsets::find, tip::find, components::find]);
     let found = [program::find, state::find].into_iter().chain(own).find_map(|find| find(name));
     match found {
-        Some((read, write)) => Source::State(read, write),
-        None => Source::Kept,
+        Some((read, write)) => VariableSource::State(read, write),
+        None => VariableSource::Kept,
     }
 }
 
@@ -81,48 +81,48 @@ fn pair(indices: &[i64]) -> (i64, i64) {
 }
 
 /// Refuses indices beyond those of a variable.
-fn check_indices(variable: &Variable, indices: &[i64]) -> Outcome<()> {
+fn check_indices(variable: &ControlVariable, indices: &[i64]) -> Outcome<()> {
     for (given, most) in indices.iter().zip(&variable.indices) {
         if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {
             let most = most.map_or_else(|| "no limit".to_owned(), |most| most.to_string());
             let text = format!("the index {given} of {} is not in 1 to {most}", variable.name);
-            return Err(Fault::new(Number::OUT_OF_RANGE, text));
+            return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, text));
         }
     }
     Ok(())
 }
 
 /// The value as the variable takes it.
-fn checked(variable: &Variable, value: Value) -> Outcome<Value> {
+fn checked(variable: &ControlVariable, value: MacroValue) -> Outcome<MacroValue> {
     let value = match (variable.kind, value) {
-        (Some(kind), Value::Unset) => kind.initial(),
-        (_, Value::Null) if matches!(variable.first, Value::Null) => Value::Null,
-        (Some(kind), value) if value.kind() != Some(kind) => return Err(Fault::kind(kind.name(), &value)),
+        (Some(kind), MacroValue::Unset) => kind.initial(),
+        (_, MacroValue::Null) if matches!(variable.first, MacroValue::Null) => MacroValue::Null,
+        (Some(kind), value) if value.kind() != Some(kind) => return Err(MacroFault::kind(kind.name(), &value)),
         (_, value) => value,
     };
-    if let (Some((low, high)), Value::Real(number)) = (variable.range, &value)
+    if let (Some((low, high)), MacroValue::Real(number)) = (variable.range, &value)
         && !(low..=high).contains(number)
     {
         let text = format!("{} takes numbers from {low} to {high}, not {number}", variable.name);
-        return Err(Fault::new(Number::BAD_VALUE, text));
+        return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, text));
     }
     Ok(value)
 }
 
 impl Kernel<'_> {
-    pub(crate) fn read_variable(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
-        let Some(row) = rows().get(index as usize) else { return Ok(Value::Null) };
+    pub(crate) fn read_variable(&mut self, index: u32, indices: &[i64]) -> Outcome<MacroValue> {
+        let Some(row) = rows().get(index as usize) else { return Ok(MacroValue::Null) };
         if !indices.is_empty() {
             check_indices(row.variable, indices)?;
         }
         Ok(match row.source {
-            Source::State(read, _) => read(self, indices),
-            Source::Position(place) => Value::Real(self.position_of(place)),
-            Source::Switch(hook) => {
+            VariableSource::State(read, _) => read(self, indices),
+            VariableSource::Position(place) => MacroValue::Real(self.position_of(place)),
+            VariableSource::Switch(hook) => {
                 let switches = &self.macros.variables.store.switches;
-                Value::Logical(switches.get(hook as usize).copied().unwrap_or(true))
+                MacroValue::Logical(switches.get(hook as usize).copied().unwrap_or(true))
             }
-            Source::Kept => {
+            VariableSource::Kept => {
                 let runtime = &*self.macros;
                 let (first, second) = pair(indices);
                 let element = if indices.is_empty() {
@@ -135,24 +135,24 @@ impl Kernel<'_> {
         })
     }
 
-    pub(crate) fn write_variable(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+    pub(crate) fn write_variable(&mut self, index: u32, indices: &[i64], value: MacroValue) -> Outcome<()> {
         let Some(row) = rows().get(index as usize) else { return Ok(()) };
         let value = checked(row.variable, value)?;
         check_indices(row.variable, indices)?;
         let machine = self.channel.env.machine;
         let runtime = &mut *self.macros;
-        if row.variable.access == Access::Start && !runtime.variables.store.starting {
+        if row.variable.access == ControlVariableAccess::Start && !runtime.variables.store.starting {
             let text = format!("{} has no effect after Machine Startup", row.variable.name);
             self.diagnose(&diag::START_ONLY, text);
             return Ok(());
         }
         match row.source {
-            Source::State(_, Some(write)) => return write(self, indices, &value),
-            Source::State(_, None) | Source::Position(_) => {
+            VariableSource::State(_, Some(write)) => return write(self, indices, &value),
+            VariableSource::State(_, None) | VariableSource::Position(_) => {
                 let text = format!("{} is kept by this control itself and cannot be set here", row.variable.name);
-                return Err(Fault::new(Number::NO_HOST, text));
+                return Err(MacroFault::new(DiagnosticNumber::NO_HOST, text));
             }
-            Source::Switch(hook) => {
+            VariableSource::Switch(hook) => {
                 let on = value.as_logical().unwrap_or(true);
                 if let Some(slot) = runtime.variables.store.switches.get_mut(hook as usize) {
                     *slot = on;
@@ -162,8 +162,8 @@ impl Kernel<'_> {
                     *slot = code;
                 }
             }
-            Source::Kept if indices.is_empty() => runtime.variables.store.set(index, value),
-            Source::Kept => {
+            VariableSource::Kept if indices.is_empty() => runtime.variables.store.set(index, value),
+            VariableSource::Kept => {
                 runtime.variables.store.keep_element(index, pair(indices), value)?;
             }
         }
@@ -171,7 +171,7 @@ impl Kernel<'_> {
     }
 
     /// Sets a kept variable, if there are macros.
-    pub(crate) fn store(&mut self, index: u32, value: impl FnOnce() -> Value) {
+    pub(crate) fn store(&mut self, index: u32, value: impl FnOnce() -> MacroValue) {
         if self.plan.hooks.is_some() {
             self.macros.variables.store.set(index, value());
         }

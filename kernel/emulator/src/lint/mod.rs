@@ -16,14 +16,14 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use counterpoint_dialect::outline::{Reader, Step};
+use counterpoint_dialect::outline::{OutlineReader, OutlineStep};
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
-use counterpoint_program::scan::Kind as Split;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::scan::ScanResult as Split;
+use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
@@ -38,13 +38,13 @@ const MOST: u64 = 1_000_000;
 const MOST_PLACES: usize = 10_000;
 
 /// A place of a program with its callers and their remaining passes.
-type Standing = Vec<(FileId, Spot, u32)>;
+type Standing = Vec<(FileId, BlockStart, u32)>;
 
 /// The path through the program of one channel.
-struct Walk<'w, 'k> {
+struct Linter<'w, 'k> {
     kernel: &'w mut Kernel<'k>,
     /// Reads blocks that are more than plain words; none if the dialect has no reader.
-    reader: Option<Box<dyn Reader>>,
+    reader: Option<Box<dyn OutlineReader>>,
     /// Blocks read, those of parts that were only looked through included.
     read: u64,
     /// Where jumps back have led.
@@ -62,7 +62,7 @@ enum Outline {
     /// Plain words, which are in the block.
     Words,
     /// Steps.
-    Steps(Vec<Step>),
+    Steps(Vec<OutlineStep>),
 }
 
 impl Kernel<'_> {
@@ -77,7 +77,7 @@ impl Kernel<'_> {
         }
         let (stood, looked) = (FxHashSet::default(), FxHashMap::default());
         let unknown = FxHashSet::default();
-        let mut walk = Walk { kernel: self, reader, read: 0, stood, looked, loops: false, unknown };
+        let mut walk = Linter { kernel: self, reader, read: 0, stood, looked, loops: false, unknown };
         if let Err(halt) = walk.report_unknown_of_program() {
             return halt;
         }
@@ -89,7 +89,7 @@ impl Kernel<'_> {
     }
 }
 
-impl Walk<'_, '_> {
+impl Linter<'_, '_> {
     /// Follows one block.
     fn next(&mut self) -> Acted {
         let done = self.block();
@@ -144,7 +144,9 @@ impl Walk<'_, '_> {
     fn outline(&mut self, text: &[u8]) -> Outline {
         if text.windows(2).any(|pair| EMBEDDED.contains(&pair)) {
             self.kernel.channel.block.clear();
-            return Outline::Steps(vec![Step::Hidden("text of the macro language stands in the block".to_owned())]);
+            return Outline::Steps(vec![OutlineStep::Hidden(
+                "text of the macro language stands in the block".to_owned(),
+            )]);
         }
         match self.kernel.split(text, true) {
             Split::Words => Outline::Words,
@@ -152,7 +154,9 @@ impl Walk<'_, '_> {
                 self.kernel.channel.block.clear();
                 match self.reader.as_deref_mut() {
                     Some(reader) => Outline::Steps(reader.outline(self.kernel, text)),
-                    None => Outline::Steps(vec![Step::Hidden("blocks of this control act only in a run".to_owned())]),
+                    None => {
+                        Outline::Steps(vec![OutlineStep::Hidden("blocks of this control act only in a run".to_owned())])
+                    }
                 }
             }
         }
@@ -182,7 +186,7 @@ impl Walk<'_, '_> {
 
     /// Continues at a block of the program. A place where the program has been with the same callers is one of a loop
     /// without end.
-    fn jump(&mut self, target: Spot) -> Acted {
+    fn jump(&mut self, target: BlockStart) -> Acted {
         let Some(frame) = self.kernel.flow.frame() else { return Ok(()) };
         let back = target < frame.next_block();
         (frame.next, frame.offset) = (target.line, target.offset);

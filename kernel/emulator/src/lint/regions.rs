@@ -6,16 +6,16 @@
 use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
-use counterpoint_dialect::outline::{Called, Goal, Step};
+use counterpoint_dialect::outline::{CallOutline, JumpDestination, OutlineStep};
 use counterpoint_event::event::FileId;
 use counterpoint_fault::Halt;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 use super::statements::computed;
 use super::words::Meant;
-use super::{MOST, Outline, Walk};
-use crate::channel::flow::{Callee, Frame};
+use super::{Linter, MOST, Outline};
+use crate::channel::flow::{Callee, RunningProgram};
 use counterpoint_dialect::Coordination as _;
 
 /// Most calls within each other that are looked through.
@@ -23,13 +23,13 @@ const DEEP: usize = 32;
 
 /// Lines of the running program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct ProgramRegion {
     pub(super) first: u32,
     pub(super) last: u32,
 }
 
 /// Meaning of a block for its part.
-enum Found {
+enum RegionEffect {
     Nothing,
     /// Other channels could notice it, or this is unknown.
     Meets,
@@ -39,10 +39,10 @@ enum Found {
     Jumps(Vec<(u32, u32)>),
 }
 
-impl Walk<'_, '_> {
+impl Linter<'_, '_> {
     /// Looks through a part of the running program, and the lines that its jumps add to it. A channel that enters a
     /// clear part leaves it after its last line.
-    pub(super) fn look_through(&mut self, mut part: Part) -> Result<Looked, Halt> {
+    pub(super) fn look_through(&mut self, mut part: ProgramRegion) -> Result<Looked, Halt> {
         let stands = self.stand();
         let looked = loop {
             match self.look(part, true) {
@@ -68,7 +68,7 @@ impl Walk<'_, '_> {
     }
 
     /// The first line of a program that others could notice.
-    pub(super) fn meets_in_program(&mut self, file: FileId, range: Range) -> Result<Option<u32>, Halt> {
+    pub(super) fn meets_in_program(&mut self, file: FileId, range: ProgramRange) -> Result<Option<u32>, Halt> {
         let key = (file, range.first, range.last);
         if let Some(known) = self.looked.get(&key) {
             return Ok(*known);
@@ -79,8 +79,8 @@ impl Walk<'_, '_> {
         // A program that calls itself says nothing new.
         self.looked.insert(key, None);
         let stands = self.stand();
-        self.kernel.flow.frames.push(Frame::main(file, range, Arc::default()));
-        let looked = self.look(Part { first: range.first, last: range.last }, false);
+        self.kernel.flow.frames.push(RunningProgram::main(file, range, Arc::default()));
+        let looked = self.look(ProgramRegion { first: range.first, last: range.last }, false);
         self.kernel.flow.frames.pop();
         self.back_to(stands);
         let found = match looked? {
@@ -92,7 +92,7 @@ impl Walk<'_, '_> {
     }
 
     /// Looks through lines of the running program. `own`: ending it matters, and jumps beyond the part make it grow.
-    fn look(&mut self, part: Part, own: bool) -> Result<Looked, Halt> {
+    fn look(&mut self, part: ProgramRegion, own: bool) -> Result<Looked, Halt> {
         let last = part.last;
         let mut grown = part;
         if let Some(frame) = self.kernel.flow.frame() {
@@ -120,10 +120,10 @@ impl Walk<'_, '_> {
                 Outline::Steps(steps) => self.found_among(&steps)?,
             };
             match found {
-                Found::Nothing => {}
-                Found::Ends if !own => {}
-                Found::Ends | Found::Meets => return Ok(Looked::At(line)),
-                Found::Jumps(lines) => {
+                RegionEffect::Nothing => {}
+                RegionEffect::Ends if !own => {}
+                RegionEffect::Ends | RegionEffect::Meets => return Ok(Looked::At(line)),
+                RegionEffect::Jumps(lines) => {
                     for (first, last) in lines {
                         (grown.first, grown.last) = (grown.first.min(first), grown.last.max(last));
                     }
@@ -133,60 +133,63 @@ impl Walk<'_, '_> {
     }
 
     /// Whether other channels could notice one of these steps, or this is unknown.
-    pub(super) fn meets_among(&mut self, steps: &[Step]) -> Result<bool, Halt> {
-        Ok(!matches!(self.found_among(steps)?, Found::Nothing))
+    pub(super) fn meets_among(&mut self, steps: &[OutlineStep]) -> Result<bool, Halt> {
+        Ok(!matches!(self.found_among(steps)?, RegionEffect::Nothing))
     }
 
-    fn found(&mut self, meant: Meant) -> Result<Found, Halt> {
+    fn found(&mut self, meant: Meant) -> Result<RegionEffect, Halt> {
         Ok(match meant {
-            Meant::Nothing => Found::Nothing,
-            Meant::Meet => Found::Meets,
-            Meant::End => Found::Ends,
-            Meant::Call(what) => self.meets_in(&what)?.map_or(Found::Nothing, |_| Found::Meets),
+            Meant::Nothing => RegionEffect::Nothing,
+            Meant::Meet => RegionEffect::Meets,
+            Meant::End => RegionEffect::Ends,
+            Meant::Call(what) => self.meets_in(&what)?.map_or(RegionEffect::Nothing, |_| RegionEffect::Meets),
         })
     }
 
-    fn found_among(&mut self, steps: &[Step]) -> Result<Found, Halt> {
+    fn found_among(&mut self, steps: &[OutlineStep]) -> Result<RegionEffect, Halt> {
         let names = computed(steps);
         let mut jumps = Vec::new();
         for step in steps {
             let found = match step {
-                Step::Words(text) => {
+                OutlineStep::Words(text) => {
                     let meant = self.meant(Some(text), &names)?;
                     self.found(meant)?
                 }
-                Step::Computed(name) if self.decides(name) => Found::Meets,
-                Step::Computed(_) | Step::Block { .. } | Step::Alarm => Found::Nothing,
-                Step::Named(named) if self.kernel.coordinates(&named.name).is_some() => Found::Meets,
-                Step::Named(named) => match named.program {
+                OutlineStep::Computed(name) if self.decides(name) => RegionEffect::Meets,
+                OutlineStep::Computed(_) | OutlineStep::Block { .. } | OutlineStep::Alarm => RegionEffect::Nothing,
+                OutlineStep::Named(named) if self.kernel.coordinates(&named.name).is_some() => RegionEffect::Meets,
+                OutlineStep::Named(named) => match named.program {
                     Some((file, range)) => self.meets(file, range)?,
-                    None => Found::Nothing,
+                    None => RegionEffect::Nothing,
                 },
-                Step::Call(Called { place: Some((file, range)), .. }) => self.meets(*file, *range)?,
-                Step::Call(_) => Found::Nothing,
-                Step::Jump(Goal::At(target)) | Step::Branch(Goal::At(target)) => {
-                    Found::Jumps(vec![(target.line, before(*target))])
+                OutlineStep::Call(CallOutline { place: Some((file, range)), .. }) => self.meets(*file, *range)?,
+                OutlineStep::Call(_) => RegionEffect::Nothing,
+                OutlineStep::Jump(JumpDestination::At(target)) | OutlineStep::Branch(JumpDestination::At(target)) => {
+                    RegionEffect::Jumps(vec![(target.line, before(*target))])
                 }
-                Step::Jump(Goal::Missing(what)) | Step::Branch(Goal::Missing(what)) => {
+                OutlineStep::Jump(JumpDestination::Missing(what))
+                | OutlineStep::Branch(JumpDestination::Missing(what)) => {
                     self.report_missing(what);
-                    Found::Nothing
+                    RegionEffect::Nothing
                 }
-                Step::Return => Found::Ends,
-                Step::If(steps) | Step::Modal(steps) => self.found_among(steps)?,
-                Step::Jump(Goal::Computed) | Step::Branch(Goal::Computed) => Found::Meets,
-                Step::Signal(_) | Step::Hidden(_) | Step::Mistake(_) => Found::Meets,
+                OutlineStep::Return => RegionEffect::Ends,
+                OutlineStep::If(steps) | OutlineStep::Modal(steps) => self.found_among(steps)?,
+                OutlineStep::Jump(JumpDestination::Computed) | OutlineStep::Branch(JumpDestination::Computed) => {
+                    RegionEffect::Meets
+                }
+                OutlineStep::Signal(_) | OutlineStep::Hidden(_) | OutlineStep::Mistake(_) => RegionEffect::Meets,
             };
             match found {
-                Found::Nothing => {}
-                Found::Jumps(lines) => jumps.extend(lines),
+                RegionEffect::Nothing => {}
+                RegionEffect::Jumps(lines) => jumps.extend(lines),
                 other => return Ok(other),
             }
         }
-        Ok(if jumps.is_empty() { Found::Nothing } else { Found::Jumps(jumps) })
+        Ok(if jumps.is_empty() { RegionEffect::Nothing } else { RegionEffect::Jumps(jumps) })
     }
 
-    fn meets(&mut self, file: FileId, range: Range) -> Result<Found, Halt> {
-        Ok(self.meets_in_program(file, range)?.map_or(Found::Nothing, |_| Found::Meets))
+    fn meets(&mut self, file: FileId, range: ProgramRange) -> Result<RegionEffect, Halt> {
+        Ok(self.meets_in_program(file, range)?.map_or(RegionEffect::Nothing, |_| RegionEffect::Meets))
     }
 
     /// Where the channel is, to come back to.
@@ -213,14 +216,14 @@ impl Walk<'_, '_> {
 }
 
 /// The last line before a block; its own where others are before it in the line.
-pub(super) fn before(target: Spot) -> u32 {
+pub(super) fn before(target: BlockStart) -> u32 {
     if target.offset > 0 { target.line } else { target.line.saturating_sub(1) }
 }
 
 /// The findings in a part.
 pub(super) enum Looked {
     /// The part is clear; with the lines that its jumps add to it.
-    Clear(Part),
+    Clear(ProgramRegion),
     /// Something is in this line.
     At(u32),
 }

@@ -5,22 +5,24 @@
 
 use std::sync::Arc;
 
-use counterpoint_dialect::outline::{Argument, Called, Deed, Goal, Named, Signalled, Step};
-use counterpoint_dialect::{Call, Coordination, Operands};
+use counterpoint_dialect::outline::{
+    CallOutline, JumpDestination, NamedStatement, OutlineStep, SignalOp, Signalled, StatementArgument,
+};
+use counterpoint_dialect::{Coordination, Operands, SubprogramCall};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_program::spot::Spot;
+use counterpoint_program::spot::BlockStart;
 
-use super::Walk;
-use super::regions::{Looked, Part, before};
+use super::Linter;
+use super::regions::{Looked, ProgramRegion, before};
 use crate::channel::flow::Pending;
 
-impl Walk<'_, '_> {
+impl Linter<'_, '_> {
     /// Follows the steps of a block in their order.
-    pub(super) fn steps(&mut self, steps: Vec<Step>) -> Acted {
+    pub(super) fn steps(&mut self, steps: Vec<OutlineStep>) -> Acted {
         let computed = computed(&steps);
         for step in steps {
-            let is_jump = matches!(step, Step::Jump(_));
+            let is_jump = matches!(step, OutlineStep::Jump(_));
             self.step(step, &computed)?;
             if is_jump {
                 // Text after it is not reached.
@@ -30,52 +32,55 @@ impl Walk<'_, '_> {
         Ok(())
     }
 
-    fn step(&mut self, step: Step, computed: &[String]) -> Acted {
+    fn step(&mut self, step: OutlineStep, computed: &[String]) -> Acted {
         match step {
-            Step::Words(text) => self.words(&text, computed),
-            Step::Computed(name) if self.decides(&name) => Err(self.lost(&format!("the value of {name} is computed"))),
-            Step::Computed(_) => Ok(()),
-            Step::Named(named) => self.named(named),
-            Step::Signal(signal) => self.signal(&signal),
-            Step::Jump(Goal::At(target)) => self.jump(target),
-            Step::Jump(Goal::Missing(what)) => {
+            OutlineStep::Words(text) => self.words(&text, computed),
+            OutlineStep::Computed(name) if self.decides(&name) => {
+                Err(self.lost(&format!("the value of {name} is computed")))
+            }
+            OutlineStep::Computed(_) => Ok(()),
+            OutlineStep::Named(named) => self.named(named),
+            OutlineStep::Signal(signal) => self.signal(&signal),
+            OutlineStep::Jump(JumpDestination::At(target)) => self.jump(target),
+            OutlineStep::Jump(JumpDestination::Missing(what)) => {
                 let text = format!("{what} not found in the program for '{}'", self.kernel.channel.block_text());
                 Err(self.kernel.alarm(&diag::JUMP_TARGET, text))
             }
-            Step::Jump(Goal::Computed) | Step::Branch(Goal::Computed) => {
+            OutlineStep::Jump(JumpDestination::Computed) | OutlineStep::Branch(JumpDestination::Computed) => {
                 Err(self.lost("the target of a jump is computed"))
             }
-            Step::Branch(Goal::At(target)) => {
+            OutlineStep::Branch(JumpDestination::At(target)) => {
                 let here = self.kernel.channel.at.line;
                 let part = if target.line > here {
-                    Part { first: self.behind(), last: before(target) }
+                    ProgramRegion { first: self.behind(), last: before(target) }
                 } else {
-                    Part { first: target.line, last: here }
+                    ProgramRegion { first: target.line, last: here }
                 };
-                self.pass_over(part, Spot::line(1), false)
+                self.pass_over(part, BlockStart::line(1), false)
             }
-            Step::Branch(Goal::Missing(what)) => {
+            OutlineStep::Branch(JumpDestination::Missing(what)) => {
                 self.report_missing(&what);
                 Ok(())
             }
-            Step::Block { end, loops } => {
-                let part = Part { first: self.behind(), last: end.line.saturating_sub(1) };
+            OutlineStep::Block { end, loops } => {
+                let part = ProgramRegion { first: self.behind(), last: end.line.saturating_sub(1) };
                 self.pass_over(part, end, loops)
             }
-            Step::Call(called) => self.call(called),
-            Step::Return => {
+            OutlineStep::Call(called) => self.call(called),
+            OutlineStep::Return => {
                 self.kernel.ask(Pending::Return(None));
                 Ok(())
             }
-            Step::If(steps) => match self.meets_among(&steps)? {
+            OutlineStep::If(steps) => match self.meets_among(&steps)? {
                 true => Err(self.lost("the rest of the block depends on a condition")),
                 false => Ok(()),
             },
-            Step::Modal(steps) => {
-                let is_known = |step: &Step| {
+            OutlineStep::Modal(steps) => {
+                let is_known = |step: &OutlineStep| {
                     matches!(
                         step,
-                        Step::Named(Named { program: Some(_), .. }) | Step::Call(Called { place: Some(_), .. })
+                        OutlineStep::Named(NamedStatement { program: Some(_), .. })
+                            | OutlineStep::Call(CallOutline { place: Some(_), .. })
                     )
                 };
                 match steps.iter().all(is_known) && !self.meets_among(&steps)? {
@@ -83,9 +88,9 @@ impl Walk<'_, '_> {
                     false => Err(self.lost("blocks that move call a program that waits or is not known")),
                 }
             }
-            Step::Alarm => Err(self.lost("the program raises an alarm of its own")),
-            Step::Hidden(reason) => Err(self.lost(&reason)),
-            Step::Mistake(text) => {
+            OutlineStep::Alarm => Err(self.lost("the program raises an alarm of its own")),
+            OutlineStep::Hidden(reason) => Err(self.lost(&reason)),
+            OutlineStep::Mistake(text) => {
                 let text = format!("{text}, in '{}'", self.kernel.channel.block_text());
                 Err(self.kernel.alarm(&diag::LINT_UNREADABLE, text))
             }
@@ -99,13 +104,13 @@ impl Walk<'_, '_> {
     }
 
     /// Continues after a part of the program that a condition passes, or that a loop repeats, at least at `end`.
-    fn pass_over(&mut self, part: Part, end: Spot, loops: bool) -> Acted {
+    fn pass_over(&mut self, part: ProgramRegion, end: BlockStart, loops: bool) -> Acted {
         match self.look_through(part)? {
             Looked::Clear(grown) => {
                 if loops || grown.first <= self.kernel.channel.at.line {
                     self.note_loop();
                 }
-                let next = Spot::line(grown.last.saturating_add(1)).max(end);
+                let next = BlockStart::line(grown.last.saturating_add(1)).max(end);
                 if let Some(frame) = self.kernel.flow.frame().filter(|frame| next > frame.next_block()) {
                     (frame.next, frame.offset) = (next.line, next.offset);
                 }
@@ -137,10 +142,10 @@ impl Walk<'_, '_> {
         self.kernel.diagnose(&diag::LINT_TARGET, text);
     }
 
-    fn named(&mut self, named: Named) -> Acted {
+    fn named(&mut self, named: NamedStatement) -> Acted {
         let Some(operands) = self.kernel.coordinates(&named.name) else {
             let Some(place) = named.program else { return Ok(()) };
-            return self.call(Called { name: named.name, place: Some(place), passes: named.passes });
+            return self.call(CallOutline { name: named.name, place: Some(place), passes: named.passes });
         };
         let arguments = self.arguments(operands, &named);
         let Some(arguments) = arguments else {
@@ -148,7 +153,7 @@ impl Walk<'_, '_> {
         };
         let name = named.name.as_str();
         match (operands, arguments) {
-            (_, Given::Numbers(numbers)) => match (operands, numbers.as_slice()) {
+            (_, CoordinationArguments::Numbers(numbers)) => match (operands, numbers.as_slice()) {
                 (Operands::MarkAndChannels, [mark, channels @ ..]) if !channels.is_empty() => {
                     self.kernel.coordinate(name, *mark, channels)
                 }
@@ -158,17 +163,17 @@ impl Walk<'_, '_> {
                 }
                 _ => Err(self.wrong(&format!("{name} needs other arguments"))),
             },
-            (_, Given::Program { channel, path, waits }) => {
+            (_, CoordinationArguments::Program { channel, path, waits }) => {
                 if named.program.is_none() && waits {
                     let text = format!("program {path} for channel {channel} not found");
                     return Err(self.kernel.alarm(&diag::CHANNEL_NOT_STARTED, text));
                 }
                 Coordination::select(self.kernel, channel, &path, named.program)
             }
-            (_, Given::Axes(axes)) => {
+            (_, CoordinationArguments::Axes(axes)) => {
                 axes.iter().try_for_each(|(axis, channel)| Coordination::exchange(self.kernel, name, axis, *channel))
             }
-            (_, Given::Nothing) => Err(self.wrong(&format!("{name} needs other arguments"))),
+            (_, CoordinationArguments::Nothing) => Err(self.wrong(&format!("{name} needs other arguments"))),
         }
     }
 
@@ -178,9 +183,9 @@ impl Walk<'_, '_> {
     }
 
     /// The arguments of a statement; none if one of them is computed.
-    fn arguments(&self, operands: Operands, named: &Named) -> Option<Given> {
-        let channel = |argument: &Argument| match argument {
-            Argument::Name(name) => self.kernel.channel_named(name).map(i64::from),
+    fn arguments(&self, operands: Operands, named: &NamedStatement) -> Option<CoordinationArguments> {
+        let channel = |argument: &StatementArgument| match argument {
+            StatementArgument::Name(name) => self.kernel.channel_named(name).map(i64::from),
             other => number(other),
         };
         Some(match operands {
@@ -189,31 +194,35 @@ impl Walk<'_, '_> {
                 for (at, argument) in named.arguments.iter().enumerate() {
                     numbers.push(if at == 0 { number(argument)? } else { channel(argument)? });
                 }
-                Given::Numbers(numbers)
+                CoordinationArguments::Numbers(numbers)
             }
-            Operands::Marks => Given::Numbers(named.arguments.iter().map(number).collect::<Option<_>>()?),
-            Operands::Channels => Given::Numbers(named.arguments.iter().map(channel).collect::<Option<_>>()?),
+            Operands::Marks => {
+                CoordinationArguments::Numbers(named.arguments.iter().map(number).collect::<Option<_>>()?)
+            }
+            Operands::Channels => {
+                CoordinationArguments::Numbers(named.arguments.iter().map(channel).collect::<Option<_>>()?)
+            }
             Operands::Program => {
-                let [who, Argument::Text(path), mode @ ..] = named.arguments.as_slice() else {
-                    return Some(Given::Nothing);
+                let [who, StatementArgument::Text(path), mode @ ..] = named.arguments.as_slice() else {
+                    return Some(CoordinationArguments::Nothing);
                 };
-                let waits = !matches!(mode, [Argument::Text(mode)] if mode.eq_ignore_ascii_case("N"));
-                Given::Program { channel: channel(who)?, path: path.trim().to_owned(), waits }
+                let waits = !matches!(mode, [StatementArgument::Text(mode)] if mode.eq_ignore_ascii_case("N"));
+                CoordinationArguments::Program { channel: channel(who)?, path: path.trim().to_owned(), waits }
             }
             Operands::Axes | Operands::AxesAndChannels => {
                 let each = if operands == Operands::Axes { 1 } else { 2 };
                 if named.arguments.is_empty() || !named.arguments.len().is_multiple_of(each) {
-                    return Some(Given::Nothing);
+                    return Some(CoordinationArguments::Nothing);
                 }
                 let mut axes = Vec::new();
                 for pair in named.arguments.chunks(each) {
                     let axis = match pair.first()? {
-                        Argument::Name(name) | Argument::Text(name) => name.clone(),
-                        Argument::Number(_) | Argument::Computed => return None,
+                        StatementArgument::Name(name) | StatementArgument::Text(name) => name.clone(),
+                        StatementArgument::Number(_) | StatementArgument::Computed => return None,
                     };
                     axes.push((axis, pair.get(1).map(|argument| channel(argument).ok_or(())).transpose().ok()?));
                 }
-                Given::Axes(axes)
+                CoordinationArguments::Axes(axes)
             }
         })
     }
@@ -221,16 +230,16 @@ impl Walk<'_, '_> {
     fn signal(&mut self, statement: &Signalled) -> Acted {
         let Some(signal) = &statement.signal else { return Err(self.lost("the statement of signals is computed")) };
         match statement.deed {
-            Deed::Send => self.kernel.send(statement.row, signal),
-            Deed::Remove => self.kernel.remove_signal(statement.row, signal),
-            Deed::Wait => self.kernel.receive(statement.row, signal, true).map(|_| ()),
-            Deed::Read => self.kernel.receive(statement.row, signal, false).map(|_| ()),
+            SignalOp::Send => self.kernel.send(statement.row, signal),
+            SignalOp::Remove => self.kernel.remove_signal(statement.row, signal),
+            SignalOp::Wait => self.kernel.receive(statement.row, signal, true).map(|_| ()),
+            SignalOp::Read => self.kernel.receive(statement.row, signal, false).map(|_| ()),
         }
     }
 
-    fn call(&mut self, called: Called) -> Acted {
+    fn call(&mut self, called: CallOutline) -> Acted {
         self.check_calls()?;
-        let Called { name, place, passes } = called;
+        let CallOutline { name, place, passes } = called;
         let Some((file, range)) = place else {
             let text = format!("subprogram {name} not found, called in '{}'", self.kernel.channel.block_text());
             return self.kernel.program_missing(text);
@@ -247,7 +256,7 @@ impl Walk<'_, '_> {
             return Ok(());
         }
         if passes > 0 {
-            let call = Call { name: Arc::from(name), place, passes, closes: true };
+            let call = SubprogramCall { name: Arc::from(name), place, passes, closes: true };
             self.kernel.ask(Pending::CallText(Box::new(call)));
         }
         Ok(())
@@ -255,7 +264,7 @@ impl Walk<'_, '_> {
 }
 
 /// Arguments of a statement between channels.
-enum Given {
+enum CoordinationArguments {
     Numbers(Vec<i64>),
     Program {
         channel: i64,
@@ -268,17 +277,17 @@ enum Given {
 }
 
 /// A whole number.
-fn number(argument: &Argument) -> Option<i64> {
+fn number(argument: &StatementArgument) -> Option<i64> {
     match argument {
-        Argument::Number(number) if number.fract() == 0.0 && number.abs() <= 1e9 => Some(*number as i64),
+        StatementArgument::Number(number) if number.fract() == 0.0 && number.abs() <= 1e9 => Some(*number as i64),
         _ => None,
     }
 }
 
 /// Names of words whose values are computed.
-pub(super) fn computed(steps: &[Step]) -> Vec<String> {
+pub(super) fn computed(steps: &[OutlineStep]) -> Vec<String> {
     let names = steps.iter().filter_map(|step| match step {
-        Step::Computed(name) => Some(name.clone()),
+        OutlineStep::Computed(name) => Some(name.clone()),
         _ => None,
     });
     names.collect()

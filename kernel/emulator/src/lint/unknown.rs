@@ -6,19 +6,19 @@
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 
-use super::regions::Part;
-use super::{Outline, Walk};
-use counterpoint_dialect::outline::Step;
+use super::regions::ProgramRegion;
+use super::{Linter, Outline};
+use counterpoint_dialect::outline::OutlineStep;
 
 /// Macros of these see the text of blocks and may change it.
 const BLOCK_HOOKS: [Hook; 4] =
     [Hook::PreprocessorStartup, Hook::PreprocessorShutdown, Hook::BlockStartup, Hook::BlockShutdown];
 
-impl Walk<'_, '_> {
+impl Linter<'_, '_> {
     /// Reports the unknown words of all blocks of the main program, those that no walk can reach included.
     pub(super) fn report_unknown_of_program(&mut self) -> Acted {
         let Some(frame) = self.kernel.flow.frame() else { return Ok(()) };
-        let part = Part { first: frame.next, last: frame.range.last };
+        let part = ProgramRegion { first: frame.next, last: frame.range.last };
         let read = self.read;
         let stands = self.stand();
         let reported = self.report_unknown_in(part);
@@ -27,7 +27,7 @@ impl Walk<'_, '_> {
         reported
     }
 
-    fn report_unknown_in(&mut self, part: Part) -> Acted {
+    fn report_unknown_in(&mut self, part: ProgramRegion) -> Acted {
         loop {
             let next = self.kernel.flow.frame().map(|frame| frame.next).filter(|next| *next <= part.last);
             if next.is_none() || self.read > super::MOST {
@@ -52,18 +52,18 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn report_unknown_among(&mut self, steps: &[Step]) {
-        let texts = steps.iter().filter(|step| matches!(step, Step::Words(_))).count();
-        let computed = texts > 1 || steps.iter().any(|step| matches!(step, Step::Computed(_)));
+    fn report_unknown_among(&mut self, steps: &[OutlineStep]) {
+        let texts = steps.iter().filter(|step| matches!(step, OutlineStep::Words(_))).count();
+        let computed = texts > 1 || steps.iter().any(|step| matches!(step, OutlineStep::Computed(_)));
         for step in steps {
             match step {
-                Step::Words(text) => {
+                OutlineStep::Words(text) => {
                     let read = self.scan(text);
                     let calls = self.kernel.categorise();
                     self.report_unknown(Certain { calls, computed });
                     self.kernel.channel.text.edited = read;
                 }
-                Step::If(steps) | Step::Modal(steps) => self.report_unknown_among(steps),
+                OutlineStep::If(steps) | OutlineStep::Modal(steps) => self.report_unknown_among(steps),
                 _ => {}
             }
         }

@@ -9,7 +9,7 @@ use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
-use super::Walk;
+use super::Linter;
 use super::unknown::Certain;
 use crate::channel::flow::{Callee, Pending};
 
@@ -48,7 +48,7 @@ pub(super) enum Meant {
     Meet,
 }
 
-impl Walk<'_, '_> {
+impl Linter<'_, '_> {
     /// Words of a text act; `computed`: names of words of the block whose values are computed.
     pub(super) fn words(&mut self, text: &[u8], computed: &[String]) -> Acted {
         let read = self.scan(text);

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 /// External requests of the macros of a kernel.
 #[derive(Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct ExternalRequests {
     /// How often each dialog was shown, by name.
     pub(crate) dialogs: FxHashMap<String, usize>,
     /// Functions that have been reported as not available.

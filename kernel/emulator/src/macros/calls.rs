@@ -7,12 +7,12 @@
 use std::sync::{Arc, OnceLock};
 
 use counterpoint_fault::Halt;
-use counterpoint_lang::compile::Program;
-use counterpoint_lang::fault::Fault;
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{Limits, State};
+use counterpoint_lang::compile::MacroProgram;
+use counterpoint_lang::fault::MacroFault;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm::{MacroLimits, MacroState};
 
-use crate::state::cycle::Hole;
+use crate::state::cycle::CycleHole;
 use counterpoint_event::event::{Motion, ToolAction};
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -33,7 +33,7 @@ pub const STACK: usize = 256 << 20;
 
 /// Action of OUTPUT in a running macro.
 #[derive(Debug, Clone)]
-pub(crate) enum Task {
+pub(crate) enum OutputTask {
     /// Nothing: startup, shutdown, data and identification macros.
     None,
     /// The action of a code.
@@ -47,12 +47,12 @@ pub(crate) enum Task {
     /// A head is selected (1) or loaded (2).
     Head(f64, u32),
     /// A hole of a canned cycle is made.
-    Cycle(Box<Hole>),
+    Cycle(Box<CycleHole>),
     /// A diagnostic is issued: number, severity and original text, for values that the macro does not read.
-    Diagnostic(Arc<[Value; 3]>),
+    Diagnostic(Arc<[MacroValue; 3]>),
 }
 
-impl Task {
+impl OutputTask {
     /// Whether a tool or a head is only selected.
     pub(crate) fn selects(&self) -> bool {
         match self {
@@ -65,11 +65,11 @@ impl Task {
 
 /// A running macro.
 #[derive(Debug)]
-pub(crate) struct Call {
+pub(crate) struct RunningMacro {
     /// Its index in the program.
     pub(crate) code: u16,
     /// The effect of OUTPUT.
-    pub(crate) task: Task,
+    pub(crate) task: OutputTask,
     /// MATCH is on.
     pub(crate) matching: bool,
     /// OUTPUT commands so far.
@@ -80,12 +80,12 @@ pub(crate) struct Call {
 
 /// Running macros of a kernel.
 #[derive(Debug, Default)]
-pub(crate) struct Calls {
-    state: Option<Box<State>>,
+pub(crate) struct RunningMacros {
+    state: Option<Box<MacroState>>,
     #[allow(clippy::vec_box, reason = "boxes change places with the state of a running macro")]
-    spares: Vec<Box<State>>,
+    spares: Vec<Box<MacroState>>,
     /// Running macros, innermost last.
-    pub(crate) running: Vec<Call>,
+    pub(crate) running: Vec<RunningMacro>,
     /// Running macros by index.
     busy: Vec<bool>,
     /// Arguments that each macro uses, bit by number.
@@ -107,15 +107,15 @@ fn block_variable() -> Option<u16> {
     })
 }
 
-fn limits(memory: u64) -> Limits {
+fn limits(memory: u64) -> MacroLimits {
     let memory = usize::try_from(memory).unwrap_or(usize::MAX);
-    Limits { ticks: TICKS, depth: DEPTH, memory, ..Limits::default() }
+    MacroLimits { ticks: TICKS, depth: DEPTH, memory, ..MacroLimits::default() }
 }
 
-impl Calls {
+impl RunningMacros {
     /// Nothing runs yet; `kernels` > 1 means that there is a master.
     pub(crate) fn new(kernel: u16, kernels: usize, memory: u64) -> Self {
-        let mut state = State::new(limits(memory));
+        let mut state = MacroState::new(limits(memory));
         state.channel = u32::from(kernel).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         Self { state: Some(Box::new(state)), ..Self::default() }
@@ -125,14 +125,14 @@ impl Calls {
     pub(crate) fn inside_cycle_macro(&self) -> bool {
         let calls = self.running.as_slice();
         calls.iter().any(|call| match &call.task {
-            Task::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
-            Task::Cycle(_) => true,
+            OutputTask::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
+            OutputTask::Cycle(_) => true,
             _ => false,
         })
     }
 
     /// Follows a program after it has grown.
-    pub(crate) fn measure(&mut self, program: &Program) {
+    pub(crate) fn measure(&mut self, program: &MacroProgram) {
         self.busy.resize(program.macros.len(), false);
         for code in program.macros.iter().skip(self.arguments.len()) {
             let bits = code.signature.arguments.iter().filter(|(number, _)| *number < 128);
@@ -158,13 +158,13 @@ impl Calls {
     }
 
     /// The innermost running macro.
-    pub(crate) fn innermost(&mut self) -> Option<&mut Call> {
+    pub(crate) fn innermost(&mut self) -> Option<&mut RunningMacro> {
         self.running.last_mut()
     }
 
     /// Notes that a macro starts.
-    pub(crate) fn begin(&mut self, code: u16, task: Task) {
-        self.running.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
+    pub(crate) fn begin(&mut self, code: u16, task: OutputTask) {
+        self.running.push(RunningMacro { code, task, matching: true, outputs: 0, functions: Vec::new() });
         self.set_busy(code, true);
     }
 
@@ -175,7 +175,7 @@ impl Calls {
     }
 
     /// Lets no further macro begin where the stack of the thread would not hold it; returns the limit before.
-    pub(crate) fn limit_nesting(&self, state: &mut State) -> u32 {
+    pub(crate) fn limit_nesting(&self, state: &mut MacroState) -> u32 {
         let limit = state.limits.depth;
         if self.running.len() > MOST_NESTED {
             state.limits.depth = state.depth;
@@ -185,24 +185,24 @@ impl Calls {
 
     /// Takes the state of the language's machine (open units, variables); none while it lies with a running macro. It
     /// is to be [put back](Self::put_state).
-    pub(crate) fn take_state(&mut self) -> Option<Box<State>> {
+    pub(crate) fn take_state(&mut self) -> Option<Box<MacroState>> {
         self.state.take()
     }
 
     /// Puts the state back.
-    pub(crate) fn put_state(&mut self, state: Box<State>) {
+    pub(crate) fn put_state(&mut self, state: Box<MacroState>) {
         self.state = Some(state);
     }
 
     /// Takes over the state of a running macro while the kernel works.
-    pub(crate) fn lend_state(&mut self, state: &mut State) {
-        let mut spare = self.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));
+    pub(crate) fn lend_state(&mut self, state: &mut MacroState) {
+        let mut spare = self.spares.pop().unwrap_or_else(|| Box::new(MacroState::new(limits(0))));
         std::mem::swap(&mut *spare, state);
         self.state = Some(spare);
     }
 
     /// Returns the state to the running macro.
-    pub(crate) fn return_state(&mut self, state: &mut State) {
+    pub(crate) fn return_state(&mut self, state: &mut MacroState) {
         if let Some(mut spare) = self.state.take() {
             std::mem::swap(&mut *spare, state);
             self.spares.push(spare);
@@ -239,7 +239,7 @@ impl Calls {
 }
 
 /// The fault that unwinds all running macros.
-pub(crate) fn unwinding(state: &mut State) -> Fault {
+pub(crate) fn unwinding(state: &mut MacroState) -> MacroFault {
     state.ticks = 0;
-    Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
+    MacroFault::new(counterpoint_lang::diag::DiagnosticNumber::TICKS, "the run ends")
 }

@@ -1,6 +1,6 @@
 //! Which macros are on.
 
-use counterpoint_machine::index::{CodeMacroId, DataMacroId, Table};
+use counterpoint_machine::index::{CodeMacroId, DataMacroId, IdTable};
 use counterpoint_machine::macros::model::{HOOKS, Hook, Macros};
 
 /// Hooks, code macros and data macros that are on.
@@ -9,9 +9,9 @@ pub(crate) struct Hooks {
     /// Macro of each hook that is on.
     pub(crate) on: [Option<u16>; HOOKS],
     /// Code macros that are on.
-    pub(crate) codes: Table<CodeMacroId, bool>,
+    pub(crate) codes: IdTable<CodeMacroId, bool>,
     /// Data macros that are on.
-    pub(crate) data: Table<DataMacroId, bool>,
+    pub(crate) data: IdTable<DataMacroId, bool>,
     /// Whether the text in process may match code and data macros.
     pub(crate) matching: bool,
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use counterpoint_program::block::Block;
 
@@ -16,7 +16,7 @@ pub enum Later {
     /// Text, and whether macros match.
     Text(Arc<String>, bool),
     /// Identifiers with values.
-    Items(Arc<[Value]>, bool),
+    Items(Arc<[MacroValue]>, bool),
 }
 
 /// Blocks that macros have issued.

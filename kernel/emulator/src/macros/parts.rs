@@ -4,20 +4,20 @@ use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::CodeRowId;
 use std::sync::Arc;
 
-use counterpoint_lang::host::Folder;
-use counterpoint_lang::value::{Elements, Value};
+use counterpoint_lang::host::MacroFolder;
+use counterpoint_lang::value::{Elements, MacroValue};
 use rustc_hash::FxHashMap;
 
-use super::asked::Asked;
+use super::asked::ExternalRequests;
 use super::reused::Reused;
-use super::store::Store;
-use counterpoint_event::event::{FileId, Origin, Position};
+use super::store::SystemVariableStore;
+use counterpoint_event::event::{DiagnosticOrigin, FileId, Position};
 use counterpoint_machine::ident::{CodeId, DataId};
-use counterpoint_program::scan::Scanner;
+use counterpoint_program::scan::LineScanner;
 
 /// Modal codes that macros have saved or bound to data.
 #[derive(Debug, Default)]
-pub(crate) struct Modes {
+pub(crate) struct MacroModes {
     /// Pushed modal states.
     pub(crate) saved: Vec<Vec<(u16, CodeId, Option<CodeRowId>)>>,
     /// Data that fire a modal group.
@@ -26,11 +26,11 @@ pub(crate) struct Modes {
 
 /// Global and system variables.
 #[derive(Debug, Default)]
-pub struct Variables {
+pub struct MacroVariables {
     /// System variables that are kept here.
-    pub store: Store,
+    pub store: SystemVariableStore,
     /// Global variables that this kernel has for itself.
-    pub(crate) globals: Vec<Value>,
+    pub(crate) globals: Vec<MacroValue>,
     /// From this index on, global variables belong to all kernels; none if there is no master.
     pub(crate) first_shared: Option<u32>,
 }
@@ -43,21 +43,21 @@ pub(crate) struct DiagnosticChanges {
     /// How often each diagnostic was raised.
     pub(crate) counts: FxHashMap<u32, u32>,
     /// The statement that raised the diagnostic which the diagnostic macro sees.
-    pub(crate) origin: Option<Box<Origin>>,
+    pub(crate) origin: Option<Box<DiagnosticOrigin>>,
 }
 
 /// How texts are read.
 #[derive(Debug, Default)]
-pub(crate) struct Reading {
+pub(crate) struct ScanState {
     /// The scanner with levels of block skip that a macro has switched.
-    pub(crate) switched: Option<Arc<Scanner>>,
+    pub(crate) switched: Option<Arc<LineScanner>>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
 }
 
 /// Values handed to macros.
 #[derive(Debug, Default)]
-pub(crate) struct Arguments {
+pub(crate) struct MacroInputs {
     /// Texts of block macros.
     pub(crate) texts: Reused<Arc<String>>,
     /// Positions of event macros.
@@ -72,11 +72,11 @@ pub(crate) struct Arguments {
 
 /// The external resources of macros.
 #[derive(Debug, Default)]
-pub(crate) struct Outside {
+pub(crate) struct ExternalResources {
     /// Requests of macros.
-    pub(crate) asked: Asked,
+    pub(crate) asked: ExternalRequests,
     /// Current folder, temporary files and open stores of values.
-    pub(crate) folder: Folder,
+    pub(crate) folder: MacroFolder,
     /// Whether the kernel is ending: then it only writes its open files.
     pub(crate) leaving: bool,
 }
@@ -94,7 +94,7 @@ pub struct Restart {
 
 /// The course of the program.
 #[derive(Debug, Default)]
-pub struct Course {
+pub struct ProgramContinuation {
     /// Another file that the shutdown macro continues with.
     pub restart: Option<Restart>,
     /// The kernel's program macros are over: NEXT is ignored.

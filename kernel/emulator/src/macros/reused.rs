@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::value::{Elements, Value};
+use counterpoint_lang::value::{Elements, MacroValue};
 
 /// A pointer that several may hold, as texts and sequences have it.
-pub(crate) trait Held: Clone + Default {
+pub(crate) trait SharedPointer: Clone + Default {
     /// Its target.
     type Content: Default;
     /// A pointer to new content.
@@ -17,7 +17,7 @@ pub(crate) trait Held: Clone + Default {
     fn own(&mut self) -> Option<&mut Self::Content>;
 }
 
-impl Held for Arc<String> {
+impl SharedPointer for Arc<String> {
     type Content = String;
     fn new(content: String) -> Self {
         Arc::new(content)
@@ -27,12 +27,12 @@ impl Held for Arc<String> {
     }
 }
 
-impl Held for Elements {
-    type Content = Vec<Value>;
-    fn new(content: Vec<Value>) -> Self {
+impl SharedPointer for Elements {
+    type Content = Vec<MacroValue>;
+    fn new(content: Vec<MacroValue>) -> Self {
         Elements::new(content)
     }
-    fn own(&mut self) -> Option<&mut Vec<Value>> {
+    fn own(&mut self) -> Option<&mut Vec<MacroValue>> {
         Elements::get_mut(self)
     }
 }
@@ -44,7 +44,7 @@ pub(crate) struct Reused<P> {
     last: P,
 }
 
-impl<P: Held> Reused<P> {
+impl<P: SharedPointer> Reused<P> {
     /// Fills a free value and hands it out.
     pub(crate) fn with(&mut self, fill: impl FnOnce(&mut P::Content)) -> P {
         std::mem::swap(&mut self.next, &mut self.last);

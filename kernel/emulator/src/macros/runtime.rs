@@ -4,51 +4,58 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::compile::Program;
+use counterpoint_lang::compile::MacroProgram;
 
 use super::books::Books;
-use super::calls::{Calls, Task};
+use super::calls::{OutputTask, RunningMacros};
 use super::hooks::Hooks;
 use super::issued::Issued;
-use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Variables};
-use super::store::Store;
+use super::parts::{
+    DiagnosticChanges, ExternalResources, MacroInputs, MacroModes, MacroVariables, ProgramContinuation, ScanState,
+};
+use super::store::SystemVariableStore;
 use super::tool_table::ToolTable;
 use counterpoint_machine::macros::model::{Hook, Macros};
-use counterpoint_sync::races::Variable;
+use counterpoint_sync::races::RaceVariable;
 
 /// Macros of one kernel.
 #[derive(Debug, Default)]
 pub struct Runtime {
     /// The machine's program, or a longer copy with the embedded code compiled so far.
-    pub(crate) program: Arc<Program>,
+    pub(crate) program: Arc<MacroProgram>,
     pub(crate) hooks: Hooks,
-    pub(crate) calls: Calls,
+    pub(crate) calls: RunningMacros,
     /// Blocks that macros left for later.
     pub issued: Issued,
-    pub(crate) modes: Modes,
+    pub(crate) modes: MacroModes,
     pub(crate) books: Books,
     pub(crate) tools: ToolTable,
     /// System variables and globals of the kernel.
-    pub variables: Variables,
+    pub variables: MacroVariables,
     pub(crate) diagnostics: DiagnosticChanges,
-    pub(crate) reading: Reading,
-    pub(crate) arguments: Arguments,
-    pub(crate) outside: Outside,
+    pub(crate) reading: ScanState,
+    pub(crate) arguments: MacroInputs,
+    pub(crate) outside: ExternalResources,
     /// How far the program has come, as macros see it.
-    pub course: Course,
+    pub course: ProgramContinuation,
 }
 
 impl Runtime {
     /// The start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, kernel: u16, (kernels, memory): (usize, u64)) -> Self {
+    pub(crate) fn new(
+        macros: &Macros,
+        program: &Arc<MacroProgram>,
+        kernel: u16,
+        (kernels, memory): (usize, u64),
+    ) -> Self {
         let mut runtime = Self {
             program: Arc::clone(program),
             hooks: Hooks::new(macros),
-            calls: Calls::new(kernel, kernels, memory),
-            variables: Variables {
-                store: Store::new(),
+            calls: RunningMacros::new(kernel, kernels, memory),
+            variables: MacroVariables {
+                store: SystemVariableStore::new(),
                 first_shared: (kernels > 1).then_some(100),
-                ..Variables::default()
+                ..MacroVariables::default()
             },
             ..Self::default()
         };
@@ -68,7 +75,7 @@ impl Runtime {
     }
 
     /// Notes that a macro starts; returns whether macros matched before.
-    pub(crate) fn begin_macro(&mut self, code: u16, task: Task) -> bool {
+    pub(crate) fn begin_macro(&mut self, code: u16, task: OutputTask) -> bool {
         self.calls.begin(code, task);
         std::mem::replace(&mut self.hooks.matching, true)
     }
@@ -81,11 +88,11 @@ impl Runtime {
     }
 
     /// A variable as programs call it.
-    pub(crate) fn variable_name(&self, variable: &Variable) -> String {
+    pub(crate) fn variable_name(&self, variable: &RaceVariable) -> String {
         match variable {
-            Variable::Common(index) => format!("#{index}"),
-            Variable::Named(name) => name.to_string(),
-            Variable::Global(index) => {
+            RaceVariable::Common(index) => format!("#{index}"),
+            RaceVariable::Named(name) => name.to_string(),
+            RaceVariable::Global(index) => {
                 let name = self.program.globals.get(*index as usize);
                 name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
             }

@@ -2,12 +2,12 @@
 
 /// Values set by macros.
 #[derive(Debug)]
-pub(crate) struct Settings {
+pub(crate) struct PreprocessorSettings {
     /// Comments and messages are removed from the block.
     pub(crate) taken_off: [bool; 2],
 }
 
-impl Default for Settings {
+impl Default for PreprocessorSettings {
     fn default() -> Self {
         Self { taken_off: [true; 2] }
     }

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use rustc_hash::FxHashMap;
 
 use counterpoint_machine::macros::model::HOOKS;
@@ -24,7 +24,7 @@ pub(crate) mod column {
 }
 
 /// Indices of variables that the kernel itself sets.
-pub struct Names {
+pub struct SystemVariableIndices {
     pub(crate) mcdrd: u32,
     pub(crate) display: u32,
     pub(crate) comment: u32,
@@ -54,14 +54,14 @@ pub struct Names {
 }
 
 /// Those indices, found once.
-pub fn names() -> &'static Names {
-    static NAMES: OnceLock<Names> = OnceLock::new();
+pub fn names() -> &'static SystemVariableIndices {
+    static NAMES: OnceLock<SystemVariableIndices> = OnceLock::new();
     NAMES.get_or_init(|| {
         let index = |name: &str| {
             let at = system::table().iter().position(|variable| variable.name == name);
             at.and_then(|at| u32::try_from(at).ok()).unwrap_or(u32::MAX)
         };
-        Names {
+        SystemVariableIndices {
             mcdrd: index("$MCDRD"),
             display: index("$DISPLY"),
             comment: index("$TPRINT"),
@@ -90,9 +90,9 @@ pub fn names() -> &'static Names {
 
 /// Variables that live nowhere else in the kernel.
 #[derive(Debug, Default)]
-pub struct Store {
-    values: Vec<Value>,
-    pub(crate) elements: FxHashMap<(u32, i64, i64), Value>,
+pub struct SystemVariableStore {
+    values: Vec<MacroValue>,
+    pub(crate) elements: FxHashMap<(u32, i64, i64), MacroValue>,
     /// Switches of the hooks.
     pub(crate) switches: [bool; HOOKS],
     /// `$ERRMSG`
@@ -106,12 +106,12 @@ pub struct Store {
     /// `$MCDNO` after TAPERD, 0 for the block in process.
     pub(crate) number: u32,
     /// Settings made by `$FCEPP`.
-    pub(crate) preprocessor: super::settings::Settings,
+    pub(crate) preprocessor: super::settings::PreprocessorSettings,
     /// Whether settings that are only possible before the end of Machine Startup are still open.
     pub starting: bool,
 }
 
-impl Store {
+impl SystemVariableStore {
     pub(crate) fn new() -> Self {
         Self {
             values: system::table().iter().map(|variable| variable.first.clone()).collect(),
@@ -122,21 +122,21 @@ impl Store {
             listed: Vec::new(),
             embedding: ["#{".to_owned(), "!{".to_owned(), "}".to_owned()],
             number: 0,
-            preprocessor: super::settings::Settings::default(),
+            preprocessor: super::settings::PreprocessorSettings::default(),
             starting: false,
         }
     }
 
     /// Sets a single variable.
-    pub(crate) fn set(&mut self, index: u32, value: Value) {
+    pub(crate) fn set(&mut self, index: u32, value: MacroValue) {
         if let Some(place) = self.values.get_mut(index as usize) {
             *place = value;
         }
     }
 
     /// A single variable.
-    pub(crate) fn get(&self, index: u32) -> &Value {
-        self.values.get(index as usize).unwrap_or(&Value::Null)
+    pub(crate) fn get(&self, index: u32) -> &MacroValue {
+        self.values.get(index as usize).unwrap_or(&MacroValue::Null)
     }
 
     /// The text of a single variable, empty if it is not a text.
@@ -145,7 +145,7 @@ impl Store {
     }
 
     /// All values.
-    pub(crate) fn all(&self) -> impl Iterator<Item = &Value> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &MacroValue> {
         self.values.iter().chain(self.elements.values())
     }
 
@@ -155,21 +155,21 @@ impl Store {
     }
 
     /// Sets an element.
-    pub fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) {
+    pub fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: MacroValue) {
         self.elements.insert((index, first, second), value);
     }
 
     /// Sets an element for a macro, unless there are too many.
-    pub(crate) fn keep_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) -> Outcome<()> {
+    pub(crate) fn keep_element(&mut self, index: u32, (first, second): (i64, i64), value: MacroValue) -> Outcome<()> {
         if self.elements.len() >= MOST_ELEMENTS {
-            return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
+            return Err(MacroFault::new(DiagnosticNumber::SIZE, "there are too many elements of system variables"));
         }
         self.elements.insert((index, first, second), value);
         Ok(())
     }
 
     /// An element that was set.
-    pub fn element(&self, index: u32, (first, second): (i64, i64)) -> Option<&Value> {
+    pub fn element(&self, index: u32, (first, second): (i64, i64)) -> Option<&MacroValue> {
         self.elements.get(&(index, first, second))
     }
 }

@@ -7,36 +7,36 @@
 use std::cmp::Ordering;
 
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
-use super::store::{Store, column, names};
+use super::store::{SystemVariableStore, column, names};
 use counterpoint_machine::model::ToolFacts;
 
 /// The machine's data of a loaded tool, by column.
-fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<Value>); 6] {
-    let number = |value: Option<f64>| value.map(Value::Real);
+fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<MacroValue>); 6] {
+    let number = |value: Option<f64>| value.map(MacroValue::Real);
     [
-        (column::NUMBER, Some(Value::Real(f64::from(tool)))),
-        (column::ID, Some(Value::Real(f64::from(tool)))),
-        (column::OFFSET, facts.and_then(|facts| facts.offset).map(|offset| Value::Real(f64::from(offset)))),
+        (column::NUMBER, Some(MacroValue::Real(f64::from(tool)))),
+        (column::ID, Some(MacroValue::Real(f64::from(tool)))),
+        (column::OFFSET, facts.and_then(|facts| facts.offset).map(|offset| MacroValue::Real(f64::from(offset)))),
         (column::LENGTH, number(facts.and_then(|facts| facts.length))),
         (column::DIAMETER, number(facts.and_then(|facts| facts.diameter))),
-        (column::NAME, facts.filter(|facts| !facts.name.is_empty()).map(|facts| Value::text(facts.name.as_str()))),
+        (column::NAME, facts.filter(|facts| !facts.name.is_empty()).map(|facts| MacroValue::text(facts.name.as_str()))),
     ]
 }
 
-fn rank(value: Option<&Value>) -> u8 {
+fn rank(value: Option<&MacroValue>) -> u8 {
     match value {
-        Some(Value::Real(_)) => 0,
-        Some(Value::Text(text)) if !text.trim().is_empty() => 1,
+        Some(MacroValue::Real(_)) => 0,
+        Some(MacroValue::Text(text)) if !text.trim().is_empty() => 1,
         _ => 2,
     }
 }
 
-fn compare(a: Option<&Value>, b: Option<&Value>) -> Ordering {
+fn compare(a: Option<&MacroValue>, b: Option<&MacroValue>) -> Ordering {
     rank(a).cmp(&rank(b)).then_with(|| match (a, b) {
-        (Some(Value::Real(a)), Some(Value::Real(b))) => a.total_cmp(b),
-        (Some(Value::Text(a)), Some(Value::Text(b))) => a.as_str().cmp(b.as_str()),
+        (Some(MacroValue::Real(a)), Some(MacroValue::Real(b))) => a.total_cmp(b),
+        (Some(MacroValue::Text(a)), Some(MacroValue::Text(b))) => a.as_str().cmp(b.as_str()),
         _ => Ordering::Equal,
     })
 }
@@ -72,14 +72,19 @@ impl ToolTable {
     }
 
     /// A cell of the row of a loaded tool, if it has a value.
-    pub(crate) fn cell<'s>(&self, store: &'s Store, tool: u32, column: i64) -> Option<&'s Value> {
+    pub(crate) fn cell<'s>(&self, store: &'s SystemVariableStore, tool: u32, column: i64) -> Option<&'s MacroValue> {
         let at = self.loaded.iter().position(|known| *known == tool)?;
         store.element(names().tool_table, (column, at as i64 + 2))
     }
 
     /// The row of a tool. A new row gets the machine's data; values that macros have written there are kept. None if
     /// the table is full.
-    pub(crate) fn load(&mut self, store: &mut Store, tool: u32, facts: Option<&ToolFacts>) -> Option<usize> {
+    pub(crate) fn load(
+        &mut self,
+        store: &mut SystemVariableStore,
+        tool: u32,
+        facts: Option<&ToolFacts>,
+    ) -> Option<usize> {
         if let Some(at) = self.loaded.iter().position(|known| *known == tool) {
             return Some(at + 2);
         }
@@ -99,7 +104,7 @@ impl ToolTable {
     }
 
     /// Tools by the values of a column: places among the first loads.
-    pub(crate) fn sorted(&self, store: &Store, column: i64) -> Vec<u16> {
+    pub(crate) fn sorted(&self, store: &SystemVariableStore, column: i64) -> Vec<u16> {
         let mut order: Vec<u16> = (0..).take(self.loaded.len()).collect();
         let cell = |at: u16| store.element(names().tool_table, (column, i64::from(at) + 2));
         order.sort_by(|a, b| compare(cell(*a), cell(*b)));
@@ -107,7 +112,7 @@ impl ToolTable {
     }
 
     /// Puts the rows that macros see in the order of `$TLSORT`.
-    pub(crate) fn sort(&mut self, store: &Store) {
+    pub(crate) fn sort(&mut self, store: &SystemVariableStore) {
         let column = sort_column(store);
         self.order = if column > 0 { self.sorted(store, column) } else { Vec::new() };
     }
@@ -128,12 +133,12 @@ impl ToolTable {
     }
 
     /// `$TLTAB(column,row)`
-    pub(crate) fn value(&self, store: &Store, at: &[i64]) -> Value {
-        store.element(names().tool_table, self.place(at)).cloned().unwrap_or(Value::Null)
+    pub(crate) fn value(&self, store: &SystemVariableStore, at: &[i64]) -> MacroValue {
+        store.element(names().tool_table, self.place(at)).cloned().unwrap_or(MacroValue::Null)
     }
 
     /// Writes it.
-    pub(crate) fn set_value(&mut self, store: &mut Store, at: &[i64], value: &Value) -> Outcome<()> {
+    pub(crate) fn set_value(&mut self, store: &mut SystemVariableStore, at: &[i64], value: &MacroValue) -> Outcome<()> {
         let place = self.place(at);
         self.changed |= matches!(place.0, column::LENGTH | column::DIAMETER | column::NAME);
         store.keep_element(names().tool_table, place, value.clone())
@@ -141,6 +146,6 @@ impl ToolTable {
 }
 
 /// `$TLSORT` as a column: 0 for none, negative for the listing only.
-pub(crate) fn sort_column(store: &Store) -> i64 {
+pub(crate) fn sort_column(store: &SystemVariableStore) -> i64 {
     store.get(names().tool_sort).as_real().map_or(0, |column| column as i64)
 }

@@ -1,32 +1,32 @@
 //! Identifiers of codes and data as values of macros.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, DataId};
 
 /// Identifier of a code value, none for `CODE_NONE`.
-pub(crate) fn code_id(machine: &Machine, value: &Value) -> Option<CodeId> {
+pub(crate) fn code_id(machine: &Machine, value: &MacroValue) -> Option<CodeId> {
     match value {
-        Value::Code(number) => machine.code_names.id(number.checked_sub(1)? as usize),
+        MacroValue::Code(number) => machine.code_names.id(number.checked_sub(1)? as usize),
         _ => None,
     }
 }
 
 /// Identifier of a data value, none for `REG_NONE`.
-pub(crate) fn data_id(machine: &Machine, value: &Value) -> Option<DataId> {
+pub(crate) fn data_id(machine: &Machine, value: &MacroValue) -> Option<DataId> {
     match value {
-        Value::Register(number) => machine.data_names.id(number.checked_sub(1)? as usize),
+        MacroValue::Register(number) => machine.data_names.id(number.checked_sub(1)? as usize),
         _ => None,
     }
 }
 
 /// Value of a code.
-pub(crate) fn code_value(id: Option<CodeId>) -> Value {
-    Value::Code(id.map_or(0, |id| id.index() as u32 + 1))
+pub(crate) fn code_value(id: Option<CodeId>) -> MacroValue {
+    MacroValue::Code(id.map_or(0, |id| id.index() as u32 + 1))
 }
 
 /// Value of data.
-pub(crate) fn data_value(id: DataId) -> Value {
-    Value::Register(id.index() as u32 + 1)
+pub(crate) fn data_value(id: DataId) -> MacroValue {
+    MacroValue::Register(id.index() as u32 + 1)
 }

@@ -5,7 +5,7 @@
 
 use crate::channel::Kernel;
 use crate::pipeline::codes;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -54,14 +54,14 @@ fn is_motion(of: u16, _: CodeKind) -> bool {
 }
 
 /// Whether only the removed cycle would have used a word.
-pub(crate) fn belongs_to_dropped_cycle(channel: &Channel<'_>, register: RegisterId) -> bool {
+pub(crate) fn belongs_to_dropped_cycle(channel: &ChannelContext<'_>, register: RegisterId) -> bool {
     let machine = channel.env.machine;
     let of = |id: DataId| machine.tables.data(id).iter().any(|&row| machine.data[row].register == Some(register));
     channel.block.flags.cycle_dropped && CYCLE_DATA.into_iter().any(of)
 }
 
 /// The place of the last word that triggered a code of this kind.
-fn last_written(channel: &Channel<'_>, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
+fn last_written(channel: &ChannelContext<'_>, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
     (0..channel.block.words.len()).rev().find(|&at| {
         fired_by(channel, at).is_some_and(|pending| {
             let row = channel.block.pending.get(pending).map(|code| &channel.env.machine.codes[code.row]);
@@ -70,19 +70,19 @@ fn last_written(channel: &Channel<'_>, of: fn(u16, CodeKind) -> bool) -> Option<
     })
 }
 
-fn words_at(channel: &Channel<'_>, places: [usize; 2]) -> Option<[String; 2]> {
+fn words_at(channel: &ChannelContext<'_>, places: [usize; 2]) -> Option<[String; 2]> {
     let word = |at: usize| channel.block.words.get(at).map(|&word| codes::word_text(channel.env.machine, word));
     Some([word(places[0])?, word(places[1])?])
 }
 
-fn drop_code(channel: &mut Channel<'_>, at: usize) {
+fn drop_code(channel: &mut ChannelContext<'_>, at: usize) {
     if let Some(pending) = fired_by(channel, at) {
         channel.block.pending.remove(pending);
     }
 }
 
 /// The place of the code that the word triggered.
-fn fired_by(channel: &Channel<'_>, at: usize) -> Option<usize> {
+fn fired_by(channel: &ChannelContext<'_>, at: usize) -> Option<usize> {
     let word = channel.block.words.get(at).filter(|word| word.used)?;
     let rows = channel.env.machine.tables.code(word.register, word.value);
     channel.block.pending.iter().position(|code| code.value == word.value && rows.contains(&code.row))

@@ -3,9 +3,9 @@
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
 use crate::channel::Kernel;
-use crate::channel::hook_points::Origin;
+use crate::channel::hook_points::BlockOrigin;
 use crate::pipeline::conditions;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -23,9 +23,9 @@ use crate::state::modal::group;
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, lets the codes act, and treats the remaining words.
     #[inline]
-    pub(crate) fn codes(&mut self, origin: Origin) -> Acted {
+    pub(crate) fn codes(&mut self, origin: BlockOrigin) -> Acted {
         let hooks = self.plan.hooks;
-        if origin == Origin::Text && (self.categorise() || self.flow.calls_each_block(&self.channel.block)) {
+        if origin == BlockOrigin::Text && (self.categorise() || self.flow.calls_each_block(&self.channel.block)) {
             return self.macro_call();
         }
         self.check_known()?;
@@ -399,7 +399,7 @@ pub(super) fn word_text(machine: &Machine, word: Word) -> String {
     format!("{}{}", register.before, written(word.value, &register.format))
 }
 
-pub(crate) fn queue_modal(channel: &mut Channel<'_>, group: u16) {
+pub(crate) fn queue_modal(channel: &mut ChannelContext<'_>, group: u16) {
     if let Some(index) = channel.state.modal.row(group) {
         let row = &channel.env.machine.codes[index];
         let value = match row.form {

@@ -3,7 +3,7 @@
 //! *Invariant:* of the rows of a word the first one that fits acts, and with it those that act beside another (`also`).
 
 use crate::channel::Kernel;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::Block;
@@ -45,7 +45,7 @@ pub(super) fn fits(block: &Block, row: &CodeRow) -> bool {
 
 /// The row of the same text whose conditions are met, or this one.
 #[cold]
-pub(super) fn fitting_text(channel: &Channel<'_>, row: CodeRowId) -> CodeRowId {
+pub(super) fn fitting_text(channel: &ChannelContext<'_>, row: CodeRowId) -> CodeRowId {
     let machine = channel.env.machine;
     let same = |other: &&CodeRowId| machine.codes[**other].form == machine.codes[row].form;
     let rows = machine.tables.texts.iter().filter(same);

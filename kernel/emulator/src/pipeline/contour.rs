@@ -10,17 +10,17 @@ use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::channel::flow::{Called, Callee, Frame};
+use crate::channel::flow::{CallRecord, Callee, RunningProgram};
 use crate::state::modal::group;
-use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Reading, Task};
-use counterpoint_dialect::Call;
+use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
+use counterpoint_dialect::SubprogramCall;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_motion::contour::element::Element;
-use counterpoint_program::shape::Range;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::spot::BlockStart;
 
 /// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;
@@ -35,7 +35,7 @@ impl Kernel<'_> {
         };
         let numbers = (first, last);
         let found = match named {
-            Some(_) => Some((Spot::line(first), Spot::line(last))),
+            Some(_) => Some((BlockStart::line(first), BlockStart::line(last))),
             None => self.contour_blocks((first, last)),
         };
         let Some((first_block, last_block)) = found else {
@@ -43,7 +43,7 @@ impl Kernel<'_> {
             return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
         };
         let (first, last) = (first_block, last_block);
-        if let Task::Finish { stays, off } = cycle.task {
+        if let ContourTask::Finish { stays, off } = cycle.task {
             let what = match named {
                 Some(name) => Callee::Named(Arc::clone(name)),
                 None => Callee::Blocks(numbers.0, numbers.1),
@@ -73,26 +73,26 @@ impl Kernel<'_> {
             None => self.find_program(&Callee::Program(number))?,
         };
         let name = if blocks.is_some() { format!("N{number}") } else { format!("O{number:04}") };
-        self.read_subprogram(Call { name: name.into(), place, passes: 1, closes: false })?;
+        self.read_subprogram(SubprogramCall { name: name.into(), place, passes: 1, closes: false })?;
         let reading = std::mem::take(&mut self.channel.state.others.turning.kept);
         (self.plan.actions.cut_contour)(self, cycle, reading)
     }
 
     /// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
-    fn contour_blocks(&mut self, (first, last): (u32, u32)) -> Option<(Spot, Spot)> {
+    fn contour_blocks(&mut self, (first, last): (u32, u32)) -> Option<(BlockStart, BlockStart)> {
         let sources = self.channel.env.sources;
         let (file, range) = self.flow.frame().map(|frame| (frame.file, frame.range))?;
         let source = sources.get(file)?;
-        let from = |number, after: Spot| {
+        let from = |number, after: BlockStart| {
             let spots = source.sequences(number).iter();
             spots.copied().find(|spot| *spot >= after && spot.line <= range.last)
         };
-        let first = from(first, Spot::line(range.first))?;
+        let first = from(first, BlockStart::line(range.first))?;
         Some((first, from(last, first)?))
     }
 
     /// Whether nothing but blank lines and comments is between this block and the contour.
-    fn comes_next(&mut self, first: Spot) -> bool {
+    fn comes_next(&mut self, first: BlockStart) -> bool {
         let sources = self.channel.env.sources;
         let Some((file, next)) = self.flow.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
         let Some(source) = sources.get(file) else { return false };
@@ -100,20 +100,20 @@ impl Kernel<'_> {
     }
 
     /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
-    fn run_contour(&mut self, first: Spot, last: Spot, what: Callee, back: Option<u8>) -> Acted {
+    fn run_contour(&mut self, first: BlockStart, last: BlockStart, what: Callee, back: Option<u8>) -> Acted {
         self.check_nesting(|| what.to_string())?;
         let here = self.channel.at.file;
         let file = self.flow.frame().map_or(here, |frame| frame.file);
         let back = back.map(|off| Box::new((self.channel.state.place.programmed(), off)));
-        let range = Range { number: None, first: first.line, last: last.line };
+        let range = ProgramRange { number: None, first: first.line, last: last.line };
         let name = match &what {
             Callee::Named(name) => Arc::clone(name),
             Callee::Blocks(from, to) => format!("N{from}-N{to}").into(),
             _ => Arc::default(),
         };
-        let called = Called { what, passes: 1, block: None };
-        let text = Frame::main(file, range, name);
-        self.enter(Frame { offset: first.offset, closes: true, called, back, ..text });
+        let called = CallRecord { what, passes: 1, block: None };
+        let text = RunningProgram::main(file, range, name);
+        self.enter(RunningProgram { offset: first.offset, closes: true, called, back, ..text });
         Ok(())
     }
 
@@ -137,7 +137,7 @@ impl Kernel<'_> {
     }
 
     /// Reads the contour.
-    fn read_contour(&mut self, first: Spot, last: Spot) -> Result<Reading, Halt> {
+    fn read_contour(&mut self, first: BlockStart, last: BlockStart) -> Result<RecordedContour, Halt> {
         let next = self.flow.frame().map(|frame| (frame.next, frame.offset));
         self.reading(None, |kernel| {
             let done = kernel.read_blocks(first, last);
@@ -150,7 +150,7 @@ impl Kernel<'_> {
 
     /// Reads the shape of a blank, which has no rapid move.
     fn read_blank(&mut self, first: u32, last: u32) -> Result<Vec<Element>, Halt> {
-        let blank = self.read_contour(Spot::line(first), Spot::line(last))?;
+        let blank = self.read_contour(BlockStart::line(first), BlockStart::line(last))?;
         if blank.first.is_some_and(|first| !first.rapid) && !blank.elements.is_empty() {
             return Ok(blank.elements);
         }
@@ -162,7 +162,7 @@ impl Kernel<'_> {
     }
 
     /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
-    pub(crate) fn read_subprogram(&mut self, call: Call) -> Acted {
+    pub(crate) fn read_subprogram(&mut self, call: SubprogramCall) -> Acted {
         let plane = self.channel.active_plane();
         let place = self.channel.at.block_place();
         self.channel.state.others.turning.reads = true;
@@ -181,8 +181,12 @@ impl Kernel<'_> {
     }
 
     /// Lets blocks be read: their moves are recorded in a plane, and none of their changes remain.
-    fn reading(&mut self, plane: Option<LathePlane>, blocks: impl FnOnce(&mut Self) -> Acted) -> Result<Reading, Halt> {
-        let Some(plan) = self.plan.reading.as_deref() else { return Ok(Reading::default()) };
+    fn reading(
+        &mut self,
+        plane: Option<LathePlane>,
+        blocks: impl FnOnce(&mut Self) -> Acted,
+    ) -> Result<RecordedContour, Halt> {
+        let Some(plan) = self.plan.reading.as_deref() else { return Ok(RecordedContour::default()) };
         let outer_plan = std::mem::replace(&mut self.plan, plan);
         let start = self.channel.state.place.programmed();
         let place = &mut self.channel.state.place;
@@ -194,7 +198,7 @@ impl Kernel<'_> {
         let block = self.channel.context.enter();
 
         self.channel.state.threads.recorded = None;
-        let own = Reading { start: self.channel.flat(&start), plane, ..Reading::default() };
+        let own = RecordedContour { start: self.channel.flat(&start), plane, ..RecordedContour::default() };
         self.channel.state.others.turning.reading = own;
         // A feed per minute needs no spindle; moves are only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
@@ -217,7 +221,7 @@ impl Kernel<'_> {
     }
 
     /// Reads the blocks from the first to the last one.
-    fn read_blocks(&mut self, first: Spot, last: Spot) -> Acted {
+    fn read_blocks(&mut self, first: BlockStart, last: BlockStart) -> Acted {
         if let Some(frame) = self.flow.frame() {
             (frame.next, frame.offset) = (first.line, first.offset);
         }

@@ -7,20 +7,20 @@
 use crate::state::text;
 use std::sync::Arc;
 
-use crate::channel::flow::{Called, Pending};
+use crate::channel::flow::{CallRecord, Pending};
 use crate::channel::{Kernel, cycle_moves};
-use counterpoint_dialect::{CycleWord, MadeBlocks, MadeWord, Words};
+use counterpoint_dialect::{CycleWord, MadeBlocks, MadeWord, WordHost};
 use counterpoint_event::FileId;
-use counterpoint_event::event::{Call, Kind, Return};
+use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 impl Kernel<'_> {
     /// Executes a resident program that is a cycle of the control; false if the program is ordinary.
     pub(crate) fn cycle_at_once(
         &mut self,
-        (file, range): (FileId, Range),
-        called: &Called,
+        (file, range): (FileId, ProgramRange),
+        called: &CallRecord,
         name: &Arc<str>,
     ) -> Result<bool, Halt> {
         if !self.channel.env.info.is_resident(file) {
@@ -34,8 +34,8 @@ impl Kernel<'_> {
 
     fn passes_at_once(
         &mut self,
-        program: (FileId, Range),
-        called: &Called,
+        program: (FileId, ProgramRange),
+        called: &CallRecord,
         name: &Arc<str>,
         blocks: &mut MadeBlocks,
     ) -> Result<bool, Halt> {
@@ -69,9 +69,9 @@ impl Kernel<'_> {
 
     fn cycle_begins(&mut self, name: &Arc<str>) -> Acted {
         let level = self.flow.frames.len() as u16;
-        self.channel
-            .emitter
-            .emit_as(&self.channel.at, 0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        self.channel.emitter.emit_as(&self.channel.at, 0, |kind| {
+            *kind = Kind::Call(SubprogramEntry { program: Arc::clone(name), level })
+        });
         self.channel.emitter.carries(&self.channel.at, name.len());
         self.flow.pass.changes = true;
         // A hole is at the end of the move before it: no corner leads past it.

@@ -8,7 +8,7 @@ use crate::channel::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_program::block::Block;
-use counterpoint_program::scan::Kind;
+use counterpoint_program::scan::ScanResult;
 
 /// G number of the end of the data.
 const END: f64 = 11.0;
@@ -26,7 +26,7 @@ impl Kernel<'_> {
         let mut passed = 0_usize;
         let end = (next..=last).find(|&line| {
             passed += 1;
-            let words = scanner.scan_as(source.line(line), secondary, &mut block, false) == Kind::Words;
+            let words = scanner.scan_as(source.line(line), secondary, &mut block, false) == ScanResult::Words;
             words && block.words.iter().any(|word| Some(word.register) == self.plan.registers.g && word.value == END)
         });
         self.work(passed)?;

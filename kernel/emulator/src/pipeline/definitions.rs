@@ -12,8 +12,8 @@ use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{Placement, RewindStop};
 use counterpoint_program::callers::Callers;
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
 
 impl Kernel<'_> {
     /// Continues with the definition after the text of the program, where the control does so.
@@ -31,7 +31,7 @@ impl Kernel<'_> {
             .sources
             .get(file)
             .and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
-        let runs_elsewhere = |next: &Range| {
+        let runs_elsewhere = |next: &ProgramRange| {
             info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && c.lines.1 == next.last)
         };
         let Some(next) = next.filter(|next| !runs_elsewhere(next)) else { return false };
@@ -47,7 +47,7 @@ impl Kernel<'_> {
     }
 
     /// Reports text before the rewind-stop that starts a main program.
-    pub(crate) fn report_leader(&mut self, file: FileId, range: Range) {
+    pub(crate) fn report_leader(&mut self, file: FileId, range: ProgramRange) {
         let format = &self.channel.env.machine.format;
         let sources = self.channel.env.sources;
         // Where a rewind-stop is expected, everything before it is ignored by rule (reference 5.1).
@@ -60,7 +60,7 @@ impl Kernel<'_> {
     }
 
     /// Reports text before the definitions of a file when one of them is called and nothing runs that text.
-    pub(crate) fn report_heading(&mut self, file: FileId, called: Range) {
+    pub(crate) fn report_heading(&mut self, file: FileId, called: ProgramRange) {
         let info = self.channel.env.info;
         let Some(source) = self.channel.env.sources.get(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
@@ -79,11 +79,11 @@ impl Kernel<'_> {
     }
 
     /// Reports another program of the file with the number of one that is called: it never runs.
-    pub(crate) fn report_twice(&mut self, file: FileId, called: Range) {
+    pub(crate) fn report_twice(&mut self, file: FileId, called: ProgramRange) {
         let Some(source) = self.channel.env.sources.get(file).filter(|_| called.number.is_some()) else { return };
         // A call from a sequence number begins inside its program.
-        let is_called = |range: &Range| (range.first..=range.last).contains(&called.first);
-        let same = |range: &&Range| range.number == called.number && !is_called(range);
+        let is_called = |range: &ProgramRange| (range.first..=range.last).contains(&called.first);
+        let same = |range: &&ProgramRange| range.number == called.number && !is_called(range);
         let Some(number) = called.number else { return };
         let Some(other) = source.programs().iter().find(same).map(|range| range.first) else { return };
         if !self.first_time(file, called.first) {
@@ -98,7 +98,7 @@ impl Kernel<'_> {
         self.diagnose(&diag::PROGRAM_TWICE, text);
     }
 
-    fn report_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
+    fn report_unowned(&mut self, file: FileId, source: &ProgramSource, (first, last): (u32, u32)) {
         let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
         let Some(from) = lines.next() else { return };
         let to = lines.next_back().unwrap_or(from);

@@ -6,13 +6,13 @@
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::trace;
-use crate::trace::Stage;
+use crate::trace::TextStage;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
-use counterpoint_program::source::Source;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::source::ProgramSource;
+use counterpoint_program::spot::BlockStart;
 use counterpoint_program::tape::Within;
 
 /// The text of a block.
@@ -57,7 +57,7 @@ impl Kernel<'_> {
                 return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
             }
             if let Some(changed) = edited.text {
-                self.trace('E', |_| crate::trace::edited(Stage::TapeEditor, &String::from_utf8_lossy(&changed)));
+                self.trace('E', |_| crate::trace::edited(TextStage::TapeEditor, &String::from_utf8_lossy(&changed)));
                 text = Some(Arc::from(changed));
             }
             if let Some(rule) = edited.stuck {
@@ -79,7 +79,7 @@ impl Kernel<'_> {
     /// Whether blocks of a file may differ from its lines: the tape editor changes them, or a character that ends
     /// blocks is somewhere in the file.
     #[inline(always)]
-    pub(crate) fn is_reshaped(&mut self, source: &Source) -> bool {
+    pub(crate) fn is_reshaped(&mut self, source: &ProgramSource) -> bool {
         let tape = self.plan.edits.tape.as_ref();
         if tape.is_some_and(|tape| !tape.leaves_alone(source, &self.channel.text.tape.0))
             || self.plan.scanner.eob().is_some_and(|eob| source.has(eob))
@@ -143,19 +143,19 @@ impl Kernel<'_> {
     }
 
     /// Where the block being processed starts. Only a block with a text of its own can start within its line.
-    pub(crate) fn spot(&self) -> Spot {
-        Spot {
+    pub(crate) fn spot(&self) -> BlockStart {
+        BlockStart {
             line: self.channel.at.line,
             offset: if self.channel.text.edited.is_some() { self.flow.offset } else { 0 },
         }
     }
 
     /// Where the block after another one of the current program starts.
-    pub(crate) fn after(&self, spot: Spot) -> Spot {
+    pub(crate) fn after(&self, spot: BlockStart) -> BlockStart {
         let file = self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file);
         let line = self.channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));
         let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
-        next.map_or(Spot::line(spot.line + 1), |start| Spot { line: spot.line, offset: start as u32 })
+        next.map_or(BlockStart::line(spot.line + 1), |start| BlockStart { line: spot.line, offset: start as u32 })
     }
 
     /// The trace of block delete.
@@ -165,14 +165,14 @@ impl Kernel<'_> {
         if trace::traces(&self.channel, 'E')
             && let Some((active, left)) = scanner.without_deleted(text, text)
         {
-            let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
+            let stage = if active { TextStage::DeleteOn } else { TextStage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
         }
     }
 }
 
 /// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
-pub(crate) fn is_line_without(channel: &Channel<'_>, byte: u8) -> bool {
+pub(crate) fn is_line_without(channel: &ChannelContext<'_>, byte: u8) -> bool {
     let source = || channel.env.sources.get(channel.at.file);
     channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
 }

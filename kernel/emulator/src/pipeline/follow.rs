@@ -5,15 +5,15 @@
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::channel::custom_macro::By;
-use crate::channel::flow::{Callee, Frame, Pending};
-use crate::state::figure::Figure;
+use crate::channel::custom_macro::CallingWord;
+use crate::channel::flow::{Callee, Pending, RunningProgram};
+use crate::state::figure::CopiedFigure;
 use counterpoint_dialect as dialect;
-use counterpoint_event::event::{Call, Kind, Return};
+use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::model::MainReturn;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::spot::BlockStart;
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.
@@ -75,7 +75,13 @@ impl Kernel<'_> {
         self.flow.pending = Some(pending);
     }
 
-    fn call(&mut self, what: Callee, passes: u32, arguments: Option<Vec<(u8, f64)>>, by: Option<Box<By>>) -> Acted {
+    fn call(
+        &mut self,
+        what: Callee,
+        passes: u32,
+        arguments: Option<Vec<(u8, f64)>>,
+        by: Option<Box<CallingWord>>,
+    ) -> Acted {
         let modal = self.flow.modal.take_caller();
         self.check_nesting(|| match &what {
             Callee::Program(number) => number.to_string(),
@@ -104,15 +110,16 @@ impl Kernel<'_> {
             self.dialect.variables.enter(&arguments);
         }
         let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
-        let text = Frame::main(file, range, self.flow.name_of(&what));
-        self.enter(Frame { repeats, own_variables, modal, called, by, ..text });
+        let text = RunningProgram::main(file, range, self.flow.name_of(&what));
+        self.enter(RunningProgram { repeats, own_variables, modal, called, by, ..text });
         Ok(())
     }
 
     /// Calls a program whose passes are copies of a figure. Figures of the same kind cannot be nested.
-    fn call_figure(&mut self, program: u32, passes: u32, figure: Box<Figure>) -> Acted {
+    fn call_figure(&mut self, program: u32, passes: u32, figure: Box<CopiedFigure>) -> Acted {
         let depth = self.flow.frames.len();
-        let same = |frame: &Frame| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
+        let same =
+            |frame: &RunningProgram| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
         if self.flow.frames.iter().any(same) {
             let text = format!(
                 "{} a figure copy is nested in a copy of the same kind in '{}'",
@@ -149,8 +156,8 @@ impl Kernel<'_> {
             return self.program_missing(text);
         };
         let repeats = passes.saturating_sub(1);
-        let text = Frame::main(file, range, self.flow.name_of(&what));
-        self.enter(Frame { repeats, closes: true, called, ..text });
+        let text = RunningProgram::main(file, range, self.flow.name_of(&what));
+        self.enter(RunningProgram { repeats, closes: true, called, ..text });
         Ok(())
     }
 
@@ -188,11 +195,11 @@ impl Kernel<'_> {
         Err(self.alarm(facts, text))
     }
 
-    pub(crate) fn enter(&mut self, mut frame: Frame) {
+    pub(crate) fn enter(&mut self, mut frame: RunningProgram) {
         let (level, name) = (self.flow.frames.len() as u16, &frame.name);
-        self.channel
-            .emitter
-            .emit_as(&self.channel.at, 0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        self.channel.emitter.emit_as(&self.channel.at, 0, |kind| {
+            *kind = Kind::Call(SubprogramEntry { program: Arc::clone(name), level })
+        });
         self.channel.emitter.carries(&self.channel.at, name.len());
         self.flow.repeats = true;
         self.flow.pass.changes = true;
@@ -263,7 +270,7 @@ impl Kernel<'_> {
         match self.channel.env.machine.subprograms.main_return {
             MainReturn::Restart => {
                 let first = self.flow.frame().map_or(1, |f| f.range.first);
-                self.flow.loops = dialect::Loops::default();
+                self.flow.loops = dialect::LoopStack::default();
                 self.jump_to_line(first)
             }
             MainReturn::End => {
@@ -287,13 +294,13 @@ impl Kernel<'_> {
     }
 
     /// The block with a sequence number: searches forward first, then from the top of the program.
-    pub(crate) fn find_sequence(&mut self, number: u32) -> Result<Spot, Halt> {
+    pub(crate) fn find_sequence(&mut self, number: u32) -> Result<BlockStart, Halt> {
         let sources = self.channel.env.sources;
         let frame = self.flow.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
         let found = frame.and_then(|(file, range, next)| {
             let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
-            let last = Spot { line: range.last, offset: u32::MAX };
-            dialect::Search::Around.find(blocks, next, (Spot::line(range.first), last))
+            let last = BlockStart { line: range.last, offset: u32::MAX };
+            dialect::LabelSearchOrder::Around.find(blocks, next, (BlockStart::line(range.first), last))
         });
         found.ok_or_else(|| {
             let text = format!("block N{number} not found in the program for '{}'", self.channel.block_text());
@@ -303,11 +310,11 @@ impl Kernel<'_> {
 
     /// Continues at a line of the current program; a jump back ends a pass of a loop.
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
-        self.jump_to(Spot::line(line))
+        self.jump_to(BlockStart::line(line))
     }
 
     /// The same for a block of a line.
-    pub(crate) fn jump_to(&mut self, target: Spot) -> Acted {
+    pub(crate) fn jump_to(&mut self, target: BlockStart) -> Acted {
         let Some(frame) = self.flow.frame() else { return Ok(()) };
         // After a return this is the line of the call.
         let from = if frame.offset > 0 { frame.next } else { frame.next.saturating_sub(1) };

@@ -5,7 +5,7 @@
 use crate::channel::Kernel;
 use crate::channel::refusals;
 use crate::pipeline::beside_motion;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::modal::feed_of;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
@@ -152,7 +152,7 @@ impl Kernel<'_> {
 }
 
 /// Whether one of the channel's axes takes words of this register.
-fn channel_has(channel: &Channel<'_>, register: RegisterId) -> bool {
+fn channel_has(channel: &ChannelContext<'_>, register: RegisterId) -> bool {
     channel.state.place.layout.axes.iter().any(|axis| {
         channel
             .env

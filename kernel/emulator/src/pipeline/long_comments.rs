@@ -6,7 +6,7 @@
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_program::source::Source;
+use counterpoint_program::source::ProgramSource;
 
 impl Kernel<'_> {
     /// Where a comment of this block, the last of its line, is not closed, reading continues after its end in a later
@@ -14,7 +14,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// The job is to end.
-    pub(crate) fn pass_long_comment(&mut self, source: &Source, line: u32, text: &[u8]) -> Acted {
+    pub(crate) fn pass_long_comment(&mut self, source: &ProgramSource, line: u32, text: &[u8]) -> Acted {
         let Some(end) = self.plan.scanner.open_comment(text) else { return Ok(()) };
         let Some(frame) = self.flow.frames.last_mut() else { return Ok(()) };
         let close = source.walk(line.saturating_add(1), frame.range.last).find_map(|number| {

@@ -27,8 +27,8 @@ mod unit_named;
 use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
-use crate::channel::hook_points::{Edited, Origin};
-use counterpoint_program::scan::Kind as Split;
+use crate::channel::hook_points::{BlockOrigin, BlockTreatment};
+use counterpoint_program::scan::ScanResult as Split;
 
 impl Kernel<'_> {
     /// Processes a block from its text to its remaining words: edit, pre-process, split, codes, leftovers.
@@ -37,12 +37,12 @@ impl Kernel<'_> {
         let hooks = self.plan.hooks;
         let edited = match hooks {
             Some(hooks) => (hooks.block.edit)(self)?,
-            None => Edited::Preprocess,
+            None => BlockTreatment::Preprocess,
         };
-        if edited == Edited::Dropped {
+        if edited == BlockTreatment::Dropped {
             return Ok(());
         }
-        let (own, preprocess) = (self.channel.context.text.clone(), edited == Edited::Preprocess);
+        let (own, preprocess) = (self.channel.context.text.clone(), edited == BlockTreatment::Preprocess);
         let text = own.as_deref().map_or(text, String::as_bytes);
         match self.split(text, preprocess) {
             Split::Words => {
@@ -78,6 +78,6 @@ impl Kernel<'_> {
             None if self.channel.block.messages.is_empty() => {}
             None => self.show_messages_of_block(),
         }
-        self.codes(Origin::Text)
+        self.codes(BlockOrigin::Text)
     }
 }

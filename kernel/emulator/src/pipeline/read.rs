@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use crate::channel::Kernel;
 use crate::state::at::BlockPlace;
-use counterpoint_event::event::{Block, FileId, Kind};
+use counterpoint_event::event::{BlockEvent, FileId, Kind};
 use counterpoint_fault as diag;
-use counterpoint_machine::model::{Format, RewindStop};
+use counterpoint_machine::model::{ProgramTextFormat, RewindStop};
 use counterpoint_program::sections;
-use counterpoint_program::shape::Shape;
-use counterpoint_program::source::Source;
+use counterpoint_program::shape::ProgramDelimiters;
+use counterpoint_program::source::ProgramSource;
 
 impl Kernel<'_> {
     /// Runs blocks until something ends the program.
@@ -112,7 +112,7 @@ impl Kernel<'_> {
 
     /// Says that results cannot show the text of a file as it was written.
     #[cold]
-    fn check_encoding(&mut self, source: &Source) {
+    fn check_encoding(&mut self, source: &ProgramSource) {
         let Err(error) = std::str::from_utf8(source.text().bytes()) else { return };
         let before = source.text().bytes().get(..error.valid_up_to()).unwrap_or_default();
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -126,7 +126,7 @@ impl Kernel<'_> {
 
     /// Whether lines of the file are blocks without changes, and no macro or trace needs their text.
     #[inline(always)]
-    fn is_as_read(&mut self, source: &Source) -> bool {
+    fn is_as_read(&mut self, source: &ProgramSource) -> bool {
         let reshapes = self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source));
         !reshapes && self.channel.env.trace.is_none()
     }
@@ -193,7 +193,7 @@ impl Kernel<'_> {
             self.now_and_then()?;
         }
         let number = self.channel.at.blocks - self.channel.at.made_blocks;
-        let block = Block { number, unit_named: std::mem::take(&mut self.channel.reports.unit_named) };
+        let block = BlockEvent { number, unit_named: std::mem::take(&mut self.channel.reports.unit_named) };
         self.channel.emitter.emit_as(&self.channel.at, 0, |kind| match kind {
             // Overwrites the old value; a kind of another shape is dropped first.
             Kind::Block(place) => *place = block,
@@ -221,7 +221,7 @@ impl Kernel<'_> {
     }
 
     /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
-    fn rewind_stop(&mut self, source: &Source, line: u32) -> Acted {
+    fn rewind_stop(&mut self, source: &ProgramSource, line: u32) -> Acted {
         if !self.flow.opened {
             self.flow.opened = true;
             return Ok(());
@@ -271,7 +271,7 @@ impl Kernel<'_> {
         }
         let (name, shape, stop) = (
             entry.name.clone(),
-            Arc::new(Shape::of(machine, self.plan.scanner.syntax())),
+            Arc::new(ProgramDelimiters::of(machine, self.plan.scanner.syntax())),
             self.ports.control.stop().clone(),
         );
         let (source, failure) = match self.channel.env.files.read(&name) {
@@ -293,6 +293,6 @@ impl Kernel<'_> {
 
 /// Whether a line that may be a rewind-stop is one.
 #[inline(never)]
-fn is_stop(text: &[u8], format: &Format) -> bool {
+fn is_stop(text: &[u8], format: &ProgramTextFormat) -> bool {
     format.is_rewind_stop(text)
 }

@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 2.2.
 
 use crate::channel::Kernel;
-use counterpoint_dialect::Programs as _;
-use counterpoint_program::scan::Kind as Split;
+use counterpoint_dialect::ProgramHost as _;
+use counterpoint_program::scan::ScanResult as Split;
 
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.

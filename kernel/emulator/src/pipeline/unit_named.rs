@@ -3,7 +3,7 @@
 //! *Invariant:* nothing here changes the effect of a block. Only the start of a text is looked at.
 
 use crate::channel::Kernel;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_machine::length_units::unit_codes;
 
@@ -22,7 +22,7 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn check_unit_named(&mut self, text: &[u8]) {
         let machine = self.channel.env.machine;
-        if machine.unit != Unit::Mm || self.channel.state.secondary {
+        if machine.unit != MachineUnit::Mm || self.channel.state.secondary {
             return;
         }
         let names = unit_codes(machine);

@@ -1,7 +1,7 @@
 //! Alarms of a channel, and their effect in a block.
 
-use super::channel::Channel;
-use counterpoint_fault::Facts;
+use super::channel::ChannelContext;
+use counterpoint_fault::DiagnosticFacts;
 use counterpoint_fault::{Acted, Halt};
 
 /// Alarms of a channel.
@@ -33,9 +33,9 @@ pub(crate) const NOT_DONE: &str = "no part of the block acts";
 /// Replacement for a circle that cannot be made.
 pub(crate) const STRAIGHT: &str = "a straight move is made instead";
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Treatment of a block with this report: the replacement, unless the channel stops.
-    pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
+    pub(crate) fn becomes(&self, facts: &DiagnosticFacts, instead: &'static str) -> &'static str {
         if self.env.machine.stops_at(facts) { NOT_DONE } else { instead }
     }
 

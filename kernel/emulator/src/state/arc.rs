@@ -3,7 +3,7 @@
 //! *Invariant:* a defined centre is a point and stays until another definition.
 
 use counterpoint_event::event::{FeedUnit, Position};
-use counterpoint_machine::ident::kind::arc::By;
+use counterpoint_machine::ident::kind::arc::ArcDefinition;
 use counterpoint_machine::index::AxisSlot;
 
 /// The last move along the contour, on machines whose circles may continue its direction.
@@ -24,7 +24,7 @@ pub(crate) enum LastMove {
 
 /// Data of the circles of a channel.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Arcs {
+pub(crate) struct ArcState {
     /// Defined centre by X, Y and Z: radius values in the work frame.
     pub(crate) center: [Option<f64>; 3],
     /// Defined radius.
@@ -40,6 +40,6 @@ pub(crate) struct Arcs {
     /// Form of the corner at the end of the move of a block (a rounding), and that block.
     pub(crate) corner: Option<(bool, u64)>,
     /// Form defined last, and on which block.
-    pub(crate) by: By,
+    pub(crate) by: ArcDefinition,
     pub(crate) block: u64,
 }

@@ -7,11 +7,11 @@
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::index::AxisSlot;
 
-use super::channel::Channel;
+use super::channel::ChannelContext;
 
 /// A side of an axis.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Side {
+pub(crate) struct WorkAreaSide {
     /// The limit in the basic coordinate system; none before the program sets it.
     pub(crate) limit: Option<f64>,
     /// Whether it is enabled, if the program has set this.
@@ -22,19 +22,19 @@ pub(crate) struct Side {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct WorkArea {
     /// Lower and upper side by axis.
-    sides: [[Side; 2]; MAX_AXES],
+    sides: [[WorkAreaSide; 2]; MAX_AXES],
     /// It is switched off.
     pub(crate) off: bool,
 }
 
 impl WorkArea {
     /// A side of an axis; `high`: the upper one.
-    pub(crate) fn side(&mut self, axis: AxisSlot, high: bool) -> Option<&mut Side> {
+    pub(crate) fn side(&mut self, axis: AxisSlot, high: bool) -> Option<&mut WorkAreaSide> {
         self.sides.get_mut(axis.index())?.get_mut(usize::from(high))
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The working area, made if there is none.
     pub(crate) fn work_area(&mut self) -> &mut WorkArea {
         self.state.others.area.get_or_insert_default()
@@ -44,7 +44,7 @@ impl Channel<'_> {
     pub(crate) fn area_side(&self, axis: AxisSlot, high: bool) -> (Option<f64>, bool) {
         let area = self.state.others.area.as_deref();
         let side = area.and_then(|area| area.sides.get(axis.index())?.get(usize::from(high))).copied();
-        let Side { limit, enabled } = side.unwrap_or_default();
+        let WorkAreaSide { limit, enabled } = side.unwrap_or_default();
         (limit, enabled.unwrap_or(self.env.machine.habits.work_area))
     }
 

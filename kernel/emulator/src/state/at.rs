@@ -8,7 +8,7 @@ use counterpoint_sync::tag::Tag;
 
 /// Where a kernel is: channel, time, and the block in process.
 #[derive(Debug, Default)]
-pub struct At {
+pub struct ExecutionPoint {
     /// Number of the channel.
     pub channel: u16,
     /// Simulated time, ns.
@@ -42,7 +42,7 @@ pub(crate) struct BlockPlace {
     pub(crate) caller: SourcePlace,
 }
 
-impl At {
+impl ExecutionPoint {
     /// The innermost place of the block in the programs of the user.
     pub(crate) fn user_place(&self) -> SourcePlace {
         self.caller.or(SourcePlace::new(self.file, self.line))

@@ -8,11 +8,11 @@ use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::profile::stop_to_stop_smoothly;
 
-use super::channel::Channel;
+use super::channel::ChannelContext;
 
 /// Positioning axes of a block.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Beside {
+pub(crate) struct PositioningAxes {
     /// Where they go, in the work frame.
     targets: Vec<(AxisSlot, f64)>,
     /// Seconds of the axis that arrives last.
@@ -21,7 +21,7 @@ pub(crate) struct Beside {
     feed: Option<f64>,
 }
 
-impl Beside {
+impl PositioningAxes {
     /// A move that takes the axes along.
     pub(crate) fn with(&self, motion: &Motion) -> Motion {
         let mut motion = *motion;
@@ -33,7 +33,7 @@ impl Beside {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// An axis goes to a position of the program, at a feed per minute or rapidly.
     pub(crate) fn go_beside(&mut self, axis: AxisSlot, to: f64, feed: Option<f64>) {
         let mut point = self.state.place.programmed();
@@ -53,7 +53,7 @@ impl Channel<'_> {
     }
 
     /// The move of the positioning axes alone, if any of them moves.
-    pub(crate) fn move_beside(&self, beside: &Beside) -> Option<Motion> {
+    pub(crate) fn move_beside(&self, beside: &PositioningAxes) -> Option<Motion> {
         let from = self.state.place.position;
         let (kind, feed) = match beside.feed {
             None => (MotionKind::Rapid, (0.0, FeedUnit::Rapid)),

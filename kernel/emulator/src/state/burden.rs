@@ -4,8 +4,8 @@
 //! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
 
 use counterpoint_event::event::Event;
-use counterpoint_results::timeline::bars::Bar;
-use counterpoint_results::toolpath::store::{Curve, Move};
+use counterpoint_results::timeline::bars::ActivityBar;
+use counterpoint_results::toolpath::store::{Curve, PathMove};
 
 /// Elements that a block may set or look at before it counts as one more.
 pub(crate) const PER_BLOCK: u64 = 256;
@@ -21,8 +21,8 @@ pub(crate) const RESULT: usize = 256;
 
 /// Bytes that an event takes at most: in the toolpath, as half of the block and the move with an arc that it mostly is;
 /// as a bar; and while it waits.
-pub(crate) const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
-pub(crate) const BAR: u64 = size_of::<Bar>() as u64 / 2;
+pub(crate) const PATH: u64 = (size_of::<PathMove>() + size_of::<Curve>()) as u64 / 2;
+pub(crate) const BAR: u64 = size_of::<ActivityBar>() as u64 / 2;
 pub(crate) const EVENT: u64 = size_of::<Event>() as u64;
 
 /// The use of a kernel.

@@ -6,15 +6,15 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::State;
+use super::ChannelMemory;
 use super::alarms::Alarms;
 use crate::state::plausible::Plausible;
 use crate::state::swallowed::Swallowed;
-use counterpoint_ports::Shares;
+use counterpoint_ports::MemoryShares;
 use counterpoint_program::block::Block;
-use counterpoint_program::scan::Scanner;
+use counterpoint_program::scan::LineScanner;
 
-use super::at::At;
+use super::at::ExecutionPoint;
 use super::burden::Burden;
 use super::context::BlockContext;
 use super::emitter::Emitter;
@@ -26,28 +26,28 @@ use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::index::DataRowId;
-use counterpoint_ports::files::Files;
-use counterpoint_ports::options::Options;
+use counterpoint_ports::files::JobFiles;
+use counterpoint_ports::options::JobOptions;
 use counterpoint_program::sources::SeenSources;
 use counterpoint_program::tape;
 use counterpoint_sync::tag::Tag;
-use counterpoint_sync::wait::Rules;
+use counterpoint_sync::wait::WaitRules;
 
 /// One channel of the control: its inputs, its position, its memory.
-pub struct Channel<'a> {
+pub struct ChannelContext<'a> {
     /// The subject of the run.
-    pub env: Environment<'a>,
+    pub env: RunEnvironment<'a>,
     /// Channel, time and block.
-    pub at: At,
+    pub at: ExecutionPoint,
     /// The block being processed.
     pub(crate) block: Block,
     pub(crate) text: BlockText,
     /// The block as macros have changed it.
     pub(crate) context: BlockContext,
     /// Reads the lines of the machine.
-    pub(crate) scanner: &'a Scanner,
+    pub(crate) scanner: &'a LineScanner,
     pub(crate) acting: Acting,
-    pub(crate) state: State,
+    pub(crate) state: ChannelMemory,
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
@@ -57,7 +57,7 @@ pub struct Channel<'a> {
 
 /// Inputs of a run; while the kernel runs, only the component changes.
 #[derive(Clone, Copy)]
-pub struct Environment<'a> {
+pub struct RunEnvironment<'a> {
     /// Definition of the control: the checked machine, or the component with which a channel of a composite works.
     pub machine: &'a Machine,
     /// The machine of the job.
@@ -67,9 +67,9 @@ pub struct Environment<'a> {
     /// The program files, as the channel sees them.
     pub sources: SeenSources<'a>,
     /// The choices of the job.
-    pub options: &'a Options,
+    pub options: &'a JobOptions,
     /// The files of the job.
-    pub files: &'a dyn Files,
+    pub files: &'a dyn JobFiles,
     /// Letters of the trace, `None` when there is no trace.
     pub trace: Option<Letters>,
 }
@@ -80,7 +80,7 @@ pub(crate) struct BlockText {
     /// The text, when it is not the line as it is in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Rules of the tape editor that are on, and the memory of their searches.
-    pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
+    pub(crate) tape: (tape::TapeRuleSet, counterpoint_lang::pattern::SearchMemory),
 }
 
 /// A value that a code hands over as data.
@@ -142,7 +142,7 @@ impl Reports {
 
 impl Reports {
     /// None so far, on a machine with these rules of waits.
-    pub(crate) fn new(rules: Rules) -> Self {
+    pub(crate) fn new(rules: WaitRules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
         let (waits, unrecognised, race, reset) = (KnownWaits::new(rules), None, None, false);
         let (plausible, swallowed) = (Plausible::default(), Swallowed::default());
@@ -152,7 +152,7 @@ impl Reports {
 }
 
 /// The time of the channel, and its events.
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// This channel's current tag, at rest.
     pub fn tag(&mut self) -> Tag {
         self.come_to_rest();
@@ -215,7 +215,7 @@ impl Channel<'_> {
     }
 }
 
-impl Environment<'_> {
+impl RunEnvironment<'_> {
     /// Position of the channel with this number, counted from 1 in ascending order; 0 is the master.
     pub(crate) fn kernel_number(&self, channel: u16) -> u16 {
         let channels = self.machine.channels.iter().zip(1_u16..);
@@ -223,7 +223,7 @@ impl Environment<'_> {
     }
 
     /// The shares of the channels in the memory of the job.
-    pub(crate) fn shares(&self) -> Shares {
-        Shares::of_channels(&self.options.limits, self.machine.channels.len())
+    pub(crate) fn shares(&self) -> MemoryShares {
+        MemoryShares::of_channels(&self.options.limits, self.machine.channels.len())
     }
 }

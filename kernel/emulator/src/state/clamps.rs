@@ -1,9 +1,9 @@
 //! Clamped axes of a channel, and whole turns of rotary ones.
 //!
-//! Invariant: `Place::clamped` is zero unless an axis is clamped, so a motion only looks at that.
+//! Invariant: `MotionState::clamped` is zero unless an axis is clamped, so a motion only looks at that.
 
-use super::channel::Channel;
-use super::position::Place;
+use super::channel::ChannelContext;
+use super::position::MotionState;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, DataId, code_facts};
 use counterpoint_machine::index::AxisSlot;
@@ -36,7 +36,7 @@ impl Modulo {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Name of a channel axis for listings.
     pub(crate) fn axis_name(&self, axis: AxisSlot) -> String {
         self.env.machine.axes[self.state.place.layout.axes[axis].machine].letter.to_lowercase()
@@ -55,7 +55,7 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Channel axis that these data move.
     pub(crate) fn axis_of_data(&self, id: DataId) -> Option<AxisSlot> {
         self.layout.axes.find(|axis| axis.data == id)

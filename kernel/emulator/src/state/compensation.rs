@@ -8,7 +8,7 @@ use counterpoint_machine::model::OutsideCorner;
 
 /// States that only offsets and macros use.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Compensation {
+pub(crate) struct CompensationModes {
     /// Type of length compensation, 1 to 4.
     pub(crate) set: u8,
     /// Direction of the length: 0 as the offset has its values, 1 to 3 along X Y Z, 4 to 6 against them.
@@ -21,7 +21,7 @@ pub(crate) struct Compensation {
     pub(crate) vector: [f64; 3],
 }
 
-impl Compensation {
+impl CompensationModes {
     /// At the start of a job.
     pub(crate) fn of(machine: &Machine) -> Self {
         let corner = match machine.compensation.corner {

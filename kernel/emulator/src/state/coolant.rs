@@ -5,7 +5,7 @@
 use counterpoint_event::event::Outlet;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
+use counterpoint_machine::ident::kind::coolant::{CoolantFluid, CoolantTarget};
 use counterpoint_machine::model::Pump;
 
 /// The state beyond the codes of the groups.
@@ -47,8 +47,8 @@ impl CoolantState {
     /// The meaning of the active code of a head: 0 off, 1 to 9.
     pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
         match code.map(CodeId::kind) {
-            Some(CodeKind::Coolant(Switch::Fluid(Flow::Fluid(fluid), _))) => fluid,
-            Some(CodeKind::Coolant(Switch::Fluid(Flow::Again, outlet))) => {
+            Some(CodeKind::Coolant(CoolantTarget::Fluid(CoolantFluid::Fluid(fluid), _))) => fluid,
+            Some(CodeKind::Coolant(CoolantTarget::Fluid(CoolantFluid::Again, outlet))) => {
                 self.last.get(head(outlet)).copied().unwrap_or(1)
             }
             _ => 0,
@@ -58,6 +58,6 @@ impl CoolantState {
 
 /// The code of a fluid at the main or the side head, by its number.
 pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
-    let flow = if fluid == 0 { Flow::Off } else { Flow::Fluid(fluid) };
-    CodeId::of_kind(CodeKind::Coolant(Switch::Fluid(flow, outlet)))
+    let flow = if fluid == 0 { CoolantFluid::Off } else { CoolantFluid::Fluid(fluid) };
+    CodeId::of_kind(CodeKind::Coolant(CoolantTarget::Fluid(flow, outlet)))
 }

@@ -2,8 +2,8 @@
 
 use counterpoint_machine::index::AxisSlot;
 
-use super::position::Axis;
-use counterpoint_waits::coupling::{Kind, Pair};
+use super::position::ChannelAxis;
+use counterpoint_waits::coupling::{CoupledPair, CouplingKind};
 
 /// Which of both axes does not move in synchronous control (Fanuc L).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,7 +41,7 @@ impl Parking {
 #[derive(Debug)]
 pub(crate) struct Coupling {
     /// Both axes.
-    pub(crate) pair: Pair,
+    pub(crate) pair: CoupledPair,
     /// The axis of this channel.
     pub(crate) slot: AxisSlot,
     /// This channel has the slave.
@@ -54,14 +54,14 @@ pub(crate) struct Coupling {
     pub(crate) from: f64,
     /// How often both channels have met so.
     pub(crate) meetings: u8,
-    /// While the words of the channel move the other axis: the own one, and where both stood, as [`Axis::moving`] takes
+    /// While the words of the channel move the other axis: the own one, and where both stood, as [`ChannelAxis::moving`] takes
     /// it.
-    pub(crate) own: Option<(Axis, (f64, f64, f64))>,
+    pub(crate) own: Option<(ChannelAxis, (f64, f64, f64))>,
 }
 
 /// The state of couplings that one channel commands alone, as one channel sees them.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Alone {
+pub(crate) struct OneSidedCouplings {
     /// Whether the program of the channel, and programs of other channels, have the code; none until first needed.
     pub(crate) words: Option<[bool; 2]>,
     /// How many of them the channel has learned of.
@@ -71,7 +71,7 @@ pub(crate) struct Alone {
 impl Coupling {
     /// Whether the own axis follows the other axis, so that its words are not commands.
     pub(crate) fn follows(&self) -> bool {
-        self.slave && self.pair.kind == Kind::Synchronous
+        self.slave && self.pair.kind == CouplingKind::Synchronous
     }
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn slots(couplings: &[Coupling], of: impl Fn(&Coupling) -> bool) -> u
     couplings.iter().filter(|coupling| of(coupling)).fold(0, |bits, coupling| bits | coupling.slot.bit())
 }
 
-impl Axis {
+impl ChannelAxis {
     /// As this axis is commanded when its words move `other`, which is at `stands` where this one counts `from`; both
     /// in geometry units.
     pub(crate) fn moving(

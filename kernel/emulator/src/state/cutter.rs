@@ -4,19 +4,19 @@ use crate::state::at::BlockPlace;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;
 
-use counterpoint_motion::arc::Arc as MotionArc;
+use counterpoint_motion::arc::PlaneArc as MotionArc;
 
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
-use super::corner::{Asked, Corner, Open};
+use super::corner::{ContourRequest, CornerRequest, OpenLine};
 use super::smooth::Smooth;
 use super::spindle::SpindleState;
 use counterpoint_program::block::ContourEnd;
 
 /// Where compensation is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Stage {
+pub(crate) enum CompensationStage {
     /// Switched on; the next move in the plane comes to the contour.
     Start,
     /// Beside the contour.
@@ -44,8 +44,8 @@ pub(crate) enum Stage {
 
 /// A move as programmed, in the work frame.
 #[derive(Debug, Clone)]
-pub(crate) struct Step {
-    pub(crate) shape: Shape,
+pub(crate) struct ProgrammedMove {
+    pub(crate) shape: MoveShape,
     pub(crate) coded: u8,
     pub(crate) to: Position,
     pub(crate) feed: Option<f64>,
@@ -54,7 +54,7 @@ pub(crate) struct Step {
 
 /// How a move goes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Shape {
+pub(crate) enum MoveShape {
     Rapid,
     Linear,
     Circle {
@@ -67,14 +67,14 @@ pub(crate) enum Shape {
 
 /// A move that waits for the next one.
 #[derive(Debug, Clone)]
-pub(crate) struct Waiting {
-    pub(crate) step: Step,
+pub(crate) struct WaitingMove {
+    pub(crate) step: ProgrammedMove,
     /// Its piece of the contour; none for a move beside the plane.
     pub(crate) element: Option<Element>,
     /// The corner at its end, until the next piece is known.
-    pub(crate) corner: Option<Corner>,
+    pub(crate) corner: Option<CornerRequest>,
     /// A line whose end the next one gives.
-    pub(crate) open: Option<Open>,
+    pub(crate) open: Option<OpenLine>,
     /// It is the path to the contour, whose beginning is the end of this move.
     pub(crate) smooth: Option<Box<Smooth>>,
     pub(crate) place: BlockPlace,
@@ -94,7 +94,7 @@ pub(crate) struct Waiting {
 
 /// Active compensation.
 #[derive(Debug, Clone)]
-pub(crate) struct Cutter {
+pub(crate) struct CutterCompensation {
     /// +1 left of the path, −1 right.
     pub(crate) side: f64,
     pub(crate) radius: f64,
@@ -104,9 +104,9 @@ pub(crate) struct Cutter {
     pub(crate) axes: [AxisSlot; 2],
     /// End of the last programmed move, in the work frame.
     pub(crate) contour: Position,
-    pub(crate) stage: Stage,
+    pub(crate) stage: CompensationStage,
     /// The move that waits, and moves beside the plane after it.
-    pub(crate) waiting: Vec<Waiting>,
+    pub(crate) waiting: Vec<WaitingMove>,
     /// Blocks without motion in the plane since then.
     pub(crate) idle: u32,
     /// Last block that was counted.
@@ -118,7 +118,7 @@ pub(crate) struct Cutter {
     /// The tool stays on the contour: only corners make moves wait.
     pub(crate) plain: bool,
     /// Requests of the words of the block for the contour, until its move is known.
-    pub(crate) asked: Asked,
+    pub(crate) asked: ContourRequest,
     /// A path to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,
     /// A new radius that takes effect at the end of the next move in the plane, with the vector from the tip to the
@@ -126,21 +126,21 @@ pub(crate) struct Cutter {
     pub(crate) resized: Option<(f64, Spot)>,
 }
 
-impl Stage {
+impl CompensationStage {
     /// Compensation has been switched off.
     pub(crate) fn is_ending(&self) -> bool {
         matches!(self, Self::Ending(_))
     }
 }
 
-impl Cutter {
+impl CutterCompensation {
     /// Whether a corner or the end of a line waits for the next move.
     pub(crate) fn is_due(&self) -> bool {
         self.waiting.iter().any(|waiting| waiting.corner.is_some() || waiting.open.is_some())
     }
 }
 
-impl Cutter {
+impl CutterCompensation {
     /// A position with the plane's axes of another one.
     pub(crate) fn lifted(&self, to: &Position, stands: &Position) -> Position {
         let mut lifted = *to;

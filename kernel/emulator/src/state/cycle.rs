@@ -3,7 +3,7 @@
 //! *Invariant:* heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
-use super::channel::Channel;
+use super::channel::ChannelContext;
 use super::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
@@ -32,7 +32,7 @@ pub(crate) const FURTHER_WEBS: usize = 3;
 
 /// One hole: where it is and between which heights, all in the work frame as programmed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Hole {
+pub(crate) struct CycleHole {
     /// Position; its value along the axis of the cycle does not count.
     pub(crate) target: Position,
     /// Axes that were coded, bit by axis.
@@ -68,7 +68,7 @@ pub(crate) struct CycleHeights {
 
 /// Pecks of a cycle, geometry units.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pecks {
+pub(crate) struct PeckPlan {
     /// The first one.
     pub(crate) first: Option<f64>,
     /// Reduction of each step against the previous one.
@@ -83,7 +83,7 @@ pub(crate) struct Pecks {
 
 /// Feed and dwells of a cycle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rates {
+pub(crate) struct CycleRates {
     /// The feed is the cycle's own, not that of the feed mode.
     pub(crate) own_feed: bool,
     pub(crate) feed: (Option<f64>, FeedUnit),
@@ -124,8 +124,8 @@ pub(crate) struct Cycle {
     pub(crate) heights: CycleHeights,
     /// Type of a tap as programmed.
     pub(crate) tap: Option<f64>,
-    pub(crate) rates: Rates,
-    pub(crate) pecks: Pecks,
+    pub(crate) rates: CycleRates,
+    pub(crate) pecks: PeckPlan,
     pub(crate) boring: Boring,
     /// `$CYRIGID`
     pub(crate) rigid: f64,
@@ -157,8 +157,8 @@ impl Cycle {
             axis: None,
             heights: CycleHeights::default(),
             tap: None,
-            rates: Rates { own_feed: false, feed: (None, FeedUnit::PerMinute), ratio: 1.0, dwell: [0.0; 3] },
-            pecks: Pecks {
+            rates: CycleRates { own_feed: false, feed: (None, FeedUnit::PerMinute), ratio: 1.0, dwell: [0.0; 3] },
+            pecks: PeckPlan {
                 first: None,
                 decrement: 0.0,
                 least: machine.cycles.min_step,
@@ -176,9 +176,9 @@ impl Cycle {
         if self.running || self.prepared {
             return;
         }
-        let Self { number, code, axis, rigid, block, pecks: Pecks { least, .. }, .. } = *self;
+        let Self { number, code, axis, rigid, block, pecks: PeckPlan { least, .. }, .. } = *self;
         let blank = Self::blank(self.activator, self.off, machine);
-        let pecks = Pecks { least, ..blank.pecks };
+        let pecks = PeckPlan { least, ..blank.pecks };
         *self = Self { prepared: true, number, code, axis, rigid, block, pecks, ..blank };
     }
 
@@ -220,7 +220,7 @@ impl Cycle {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Whether the active code of the cycle group acts on every position.
     pub(crate) fn cycle_repeats(&self) -> bool {
         match self.state.modal.code(group::CYCLE).map(|code| (code, code.kind())) {

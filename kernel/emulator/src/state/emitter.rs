@@ -9,22 +9,22 @@ use counterpoint_event::event::{Event, Kind};
 use counterpoint_sync::backlog::blank;
 use counterpoint_sync::coordinator::switch::Port;
 use counterpoint_sync::merge::TEXTS;
-use counterpoint_sync::stream::{NEAR_CHUNK, Stream};
+use counterpoint_sync::stream::{EventStream, NEAR_CHUNK};
 use counterpoint_sync::tag::Tag;
 
-use super::at::At;
-use super::pace::Pace;
+use super::at::ExecutionPoint;
+use super::pace::FeedPlanner;
 
 /// The destination of chunks.
-pub enum Target<'a> {
+pub enum ChunkTarget<'a> {
     /// To the results of the channel and to the log.
-    Stream(Stream<'a>),
+    Stream(EventStream<'a>),
     /// Kept unchanged: events of the master before the channels start and after they have ended.
     Kept(&'a mut Vec<Event>),
 }
 
 /// Events that are held back until the move before them is known.
-struct Held {
+struct HeldEvents {
     events: Vec<Event>,
     /// The tag that no later event precedes.
     since: Tag,
@@ -34,7 +34,7 @@ struct Held {
 pub struct Emitter<'a> {
     channel: u16,
     coordinator: Port<'a>,
-    target: Target<'a>,
+    target: ChunkTarget<'a>,
     /// Always [`size`](Self::size) events long; the events from `count` on are old.
     chunk: Vec<Event>,
     size: usize,
@@ -48,17 +48,17 @@ pub struct Emitter<'a> {
     /// Events that the kernel holds back.
     held: u64,
     /// The effects that compensation holds back.
-    buffer: Option<Held>,
+    buffer: Option<HeldEvents>,
     /// Moves at feed whose times depend on later moves; `None` if speeds change instantly.
-    pace: Option<Box<Pace>>,
+    pace: Option<Box<FeedPlanner>>,
 }
 
 impl<'a> Emitter<'a> {
     /// The stream of a channel that starts.
-    pub fn new(channel: u16, coordinator: Port<'a>, target: Target<'a>) -> Self {
+    pub fn new(channel: u16, coordinator: Port<'a>, target: ChunkTarget<'a>) -> Self {
         let size = match &target {
-            Target::Stream(stream) => stream.chunk_size(coordinator),
-            Target::Kept(_) => NEAR_CHUNK,
+            ChunkTarget::Stream(stream) => stream.chunk_size(coordinator),
+            ChunkTarget::Kept(_) => NEAR_CHUNK,
         };
         let mut chunk = Vec::new();
         chunk.resize_with(size, blank);
@@ -67,13 +67,13 @@ impl<'a> Emitter<'a> {
     }
 
     /// Adds the look-ahead for moves at feed.
-    pub(crate) fn paced(self, pace: Option<Box<Pace>>) -> Self {
+    pub(crate) fn paced(self, pace: Option<Box<FeedPlanner>>) -> Self {
         Self { pace, ..self }
     }
 
     /// Adds an event of this block at the current time.
     #[inline]
-    pub(crate) fn emit(&mut self, at: &At, dur_ns: i64, kind: Kind) {
+    pub(crate) fn emit(&mut self, at: &ExecutionPoint, dur_ns: i64, kind: Kind) {
         let bytes = kind.text_bytes();
         self.emit_as(at, dur_ns, |slot| *slot = kind);
         self.carries(at, bytes);
@@ -81,8 +81,8 @@ impl<'a> Emitter<'a> {
 
     /// Adds an event whose kind is written in place.
     #[inline(always)]
-    pub(crate) fn emit_as(&mut self, at: &At, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
-        let At { channel, clock, micro, file, line, caller, .. } = *at;
+    pub(crate) fn emit_as(&mut self, at: &ExecutionPoint, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
+        let ExecutionPoint { channel, clock, micro, file, line, caller, .. } = *at;
         let slot = match self.slot() {
             Some(event) => Some(event),
             None => self.other_slot(Tag { t: clock, micro, channel }),
@@ -126,7 +126,7 @@ impl<'a> Emitter<'a> {
     /// Holds events back from this tag on, until the move before them is known.
     pub(crate) fn hold(&mut self, since: Tag) {
         if self.buffer.is_none() {
-            self.buffer = Some(Held { events: Vec::new(), since });
+            self.buffer = Some(HeldEvents { events: Vec::new(), since });
             self.hold_back();
         }
     }
@@ -150,7 +150,7 @@ impl<'a> Emitter<'a> {
 
     /// The time before which this channel has no further shared operation, ns.
     #[inline(always)]
-    pub(crate) fn bound(&self, at: &At) -> i64 {
+    pub(crate) fn bound(&self, at: &ExecutionPoint) -> i64 {
         let since = self.buffer.as_ref().map_or(at.clock, |buffer| buffer.since.t);
         match &self.pace {
             None => since,
@@ -159,7 +159,7 @@ impl<'a> Emitter<'a> {
     }
 
     /// The tag that no event sent later precedes.
-    pub(crate) fn promise(&self, at: &At) -> Tag {
+    pub(crate) fn promise(&self, at: &ExecutionPoint) -> Tag {
         let tag = self.held_since().unwrap_or_else(|| at.tag());
         match self.pace.as_deref() {
             None => tag,
@@ -193,7 +193,7 @@ impl<'a> Emitter<'a> {
 
     /// Counts the text of the last event; sends the events when the chunk has enough text.
     #[inline]
-    pub(crate) fn carries(&mut self, at: &At, bytes: usize) {
+    pub(crate) fn carries(&mut self, at: &ExecutionPoint, bytes: usize) {
         self.texts += bytes;
         if bytes > 0 && self.texts > TEXTS {
             self.flush(self.promise(at));
@@ -209,14 +209,14 @@ impl<'a> Emitter<'a> {
     /// have added work.
     pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
-            Target::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),
-            Target::Kept(_) => false,
+            ChunkTarget::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),
+            ChunkTarget::Kept(_) => false,
         }
     }
 
     /// Records that no other kernel acts before this time, ns.
     pub(crate) fn all_reached(&mut self, t: i64) {
-        if let Target::Stream(stream) = &mut self.target {
+        if let ChunkTarget::Stream(stream) = &mut self.target {
             stream.all_reached(t);
         }
     }
@@ -227,8 +227,8 @@ impl<'a> Emitter<'a> {
         let (count, texts) = (std::mem::take(&mut self.count), std::mem::take(&mut self.texts));
         self.gone += count as u64;
         match &mut self.target {
-            Target::Stream(stream) => stream.send(&mut self.chunk, (count, texts), upto, self.coordinator),
-            Target::Kept(kept) => {
+            ChunkTarget::Stream(stream) => stream.send(&mut self.chunk, (count, texts), upto, self.coordinator),
+            ChunkTarget::Kept(kept) => {
                 self.chunk.truncate(count);
                 kept.append(&mut self.chunk);
             }

@@ -6,14 +6,14 @@
 //! for all of them. *Invariant:* a channel without a group counts all axes.
 
 use counterpoint_event::event::{MAX_AXES, Position};
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
-use counterpoint_machine::index::{AxisSlot, BySlot, Table};
+use counterpoint_machine::index::{AxisSlot, BySlot, IdTable};
 use counterpoint_machine::model::AxisRole;
 
-use super::channel::Channel;
-use super::position::Axis;
+use super::channel::ChannelContext;
+use super::position::ChannelAxis;
 
 /// Smaller changes count as zero.
 const NOISE: f64 = 1e-9;
@@ -31,22 +31,22 @@ pub(crate) struct FeedGroup {
 
 impl FeedGroup {
     /// The group that a channel begins with; none where all axes count.
-    pub(crate) fn of(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> Option<Box<Self>> {
-        let geometry = |axis: &Axis| matches!(axis.role, AxisRole::X | AxisRole::Y | AxisRole::Z);
+    pub(crate) fn of(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>) -> Option<Box<Self>> {
+        let geometry = |axis: &ChannelAxis| matches!(axis.role, AxisRole::X | AxisRole::Y | AxisRole::Z);
         let bits = axes.entries().filter(|(_, axis)| geometry(axis)).fold(0, |bits, (slot, _)| bits | slot.bit());
         machine.habits.feed_of_geometry.then(|| Box::new(Self::made(machine, axes, bits)))
     }
 
     /// A group of these axes.
-    fn made(machine: &Machine, axes: &Table<AxisSlot, Axis>, bits: u8) -> Self {
+    fn made(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>, bits: u8) -> Self {
         Self { axes: bits, units: Self::units_of(machine, axes), has_radii: false }
     }
 
     /// A degree is a millimetre.
-    fn units_of(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> Position {
+    fn units_of(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>) -> Position {
         let degree = match machine.unit {
-            Unit::Inch => 1.0 / 25.4,
-            Unit::Mm => 1.0,
+            MachineUnit::Inch => 1.0 / 25.4,
+            MachineUnit::Mm => 1.0,
         };
         let mut units = [1.0; MAX_AXES];
         for (unit, axis) in units.iter_mut().zip(axes) {
@@ -56,12 +56,12 @@ impl FeedGroup {
     }
 
     /// Whether the feed does not count the changes of all axes as they are.
-    pub(crate) fn weighs(group: Option<&Self>, axes: &Table<AxisSlot, Axis>) -> bool {
+    pub(crate) fn weighs(group: Option<&Self>, axes: &IdTable<AxisSlot, ChannelAxis>) -> bool {
         axes.entries().any(|(slot, axis)| axis.rotary || group.is_some_and(|group| group.axes & slot.bit() == 0))
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Makes the feed count for these axes only, or for those of the control if there are none.
     pub(crate) fn set_feed_group(&mut self, axes: &[AxisSlot]) {
         let bits = axes.iter().fold(0, |bits, axis| bits | axis.bit());

@@ -3,7 +3,7 @@
 //! *Invariant:* the frame of a copy is made of the frame before all copies, so errors do not add up.
 
 use counterpoint_motion::frame::affine::Point;
-use counterpoint_motion::frame::local::Local;
+use counterpoint_motion::frame::local::LocalFrame;
 
 /// The position of a copy relative to the previous copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,15 +31,15 @@ impl Copy {
 
 /// A figure that is being copied.
 #[derive(Debug, Clone)]
-pub(crate) struct Figure {
+pub(crate) struct CopiedFigure {
     pub(crate) copy: Copy,
     /// Copies made before the running one.
     pub(crate) made: u32,
     /// The local frame before the first one.
-    pub(crate) base: Local,
+    pub(crate) base: LocalFrame,
 }
 
-impl PartialEq for Figure {
+impl PartialEq for CopiedFigure {
     fn eq(&self, other: &Self) -> bool {
         (self.copy, self.made) == (other.copy, other.made)
     }

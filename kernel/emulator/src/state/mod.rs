@@ -45,20 +45,20 @@ use counterpoint_event::event::Position;
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::{Channel, MachineKind};
 use counterpoint_sync::wait::Wait;
-use modal::Modal;
-use position::Place;
-use remembered::Remembered;
+use modal::ModalCodes;
+use position::MotionState;
+use remembered::RememberedWords;
 use spindle::SpindleState;
 
 /// The memory of a channel from block to block.
 #[derive(Debug)]
-pub(crate) struct State {
+pub(crate) struct ChannelMemory {
     /// Modal codes.
-    pub(crate) modal: Modal,
+    pub(crate) modal: ModalCodes,
     /// Words that the control remembers.
-    pub(crate) remembered: Remembered,
+    pub(crate) remembered: RememberedWords,
     /// Axes, positions and offsets.
-    pub(crate) place: Place,
+    pub(crate) place: MotionState,
     /// Spindle of the channel.
     pub(crate) spindle: SpindleState,
     /// Secondary units are active.
@@ -66,34 +66,34 @@ pub(crate) struct State {
     /// Canned cycle.
     pub(crate) cycle: cycle::Cycle,
     /// Data of circles to come.
-    pub(crate) arcs: arc::Arcs,
+    pub(crate) arcs: arc::ArcState,
     /// Data of threads to come.
-    pub(crate) threads: Box<thread::Threads>,
+    pub(crate) threads: Box<thread::ThreadingState>,
     /// Data of probing moves.
     pub(crate) skip: Box<probing::Probing>,
     /// Times of motions and of waiting.
     pub(crate) times: Box<times::TimeRecord>,
     /// The memory of other actions.
-    pub(crate) others: Box<Others>,
+    pub(crate) others: Box<RareState>,
 }
 
-impl State {
+impl ChannelMemory {
     /// The state of a channel at the start of its program.
     pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
         let id = channel.spindle;
         let shared = id.is_some_and(|id| spindle::is_shared(machine, id));
         Self {
-            modal: Modal::new(),
-            remembered: Remembered::new(machine),
-            place: Place::new(machine, channel),
+            modal: ModalCodes::new(),
+            remembered: RememberedWords::new(machine),
+            place: MotionState::new(machine, channel),
             spindle: SpindleState { id, shared, ..SpindleState::default() },
             secondary: false,
             cycle: cycle::Cycle::new(machine),
-            arcs: arc::Arcs::default(),
-            threads: Box::new(thread::Threads::new(machine)),
+            arcs: arc::ArcState::default(),
+            threads: Box::new(thread::ThreadingState::new(machine)),
             skip: Box::default(),
             times: Box::default(),
-            others: Box::new(Others::new(machine, channel)),
+            others: Box::new(RareState::new(machine, channel)),
         }
     }
 
@@ -104,48 +104,48 @@ impl State {
 
     /// Resets modal codes and remembered words.
     pub(crate) fn forget_words(&mut self, machine: &Machine) {
-        (self.modal, self.remembered) = (Modal::new(), Remembered::new(machine));
+        (self.modal, self.remembered) = (ModalCodes::new(), RememberedWords::new(machine));
     }
 }
 
 /// Rarely used state of channels.
 #[derive(Debug)]
-pub(crate) struct Others {
+pub(crate) struct RareState {
     /// Coolant.
     pub(crate) coolant: coolant::CoolantState,
     /// Spindles.
     pub(crate) spindles: spindle::Spindles,
     /// Tool tip control.
-    pub(crate) tip: frames::tip::Settings,
+    pub(crate) tip: frames::tip::TipSettings,
     /// A tilted plane to come.
-    pub(crate) tilt: frames::tilt::Wishes,
+    pub(crate) tilt: frames::tilt::PlanePreferences,
     /// Number of the active head.
     pub(crate) head: u32,
     /// Turning cycles.
-    pub(crate) turning: turning::Turning,
+    pub(crate) turning: turning::TurningState,
     /// Where the axes were before they went to the change position.
     pub(crate) before_change: Option<Position>,
     /// Names and reports of tools.
-    pub(crate) tools: tool_names::Tools,
+    pub(crate) tools: tool_names::ToolRecords,
     /// Functions still running beside the block, and beside all blocks before the next move at feed.
-    pub(crate) running: [Option<Running>; 2],
+    pub(crate) running: [Option<RunningFunction>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
     /// Axes that move to a position independently of the path of the block.
-    pub(crate) beside: Option<Box<beside::Beside>>,
+    pub(crate) beside: Option<Box<beside::PositioningAxes>>,
     /// The working area of the program.
     pub(crate) area: Option<Box<area::WorkArea>>,
     /// Axes that are coupled with axes of other channels.
     pub(crate) couplings: Vec<coupling::Coupling>,
     /// Couplings that one channel commands alone.
-    pub(crate) alone: coupling::Alone,
+    pub(crate) alone: coupling::OneSidedCouplings,
     /// Radius of the last cylinder that was mapped.
     pub(crate) cylinder: Option<f64>,
 }
 
 /// A function of the machine that takes its time beside others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Running {
+pub(crate) struct RunningFunction {
     /// Its code as written.
     pub(crate) letter: char,
     pub(crate) value: f64,
@@ -153,25 +153,25 @@ pub(crate) struct Running {
     pub(crate) end_ns: i64,
 }
 
-impl Others {
+impl RareState {
     /// At the start of the program.
     pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
         let side = machine.kind == MachineKind::MergingLathe && channel.number == 2;
         Self {
             coolant: coolant::CoolantState::default(),
             spindles: spindle::Spindles::new(machine, channel),
-            tip: frames::tip::Settings::default(),
-            tilt: frames::tilt::Wishes::default(),
+            tip: frames::tip::TipSettings::default(),
+            tilt: frames::tilt::PlanePreferences::default(),
             head: if side { 2 } else { 1 },
-            turning: turning::Turning::new(machine),
+            turning: turning::TurningState::new(machine),
             before_change: None,
-            tools: tool_names::Tools::default(),
+            tools: tool_names::ToolRecords::default(),
             running: [None; 2],
             balance: None,
             beside: None,
             area: None,
             couplings: Vec::new(),
-            alone: coupling::Alone::default(),
+            alone: coupling::OneSidedCouplings::default(),
             cylinder: None,
         }
     }

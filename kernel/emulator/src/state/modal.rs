@@ -28,7 +28,7 @@ pub(crate) mod group {
 
 /// Modal codes.
 #[derive(Debug, Clone)]
-pub(crate) struct Modal {
+pub(crate) struct ModalCodes {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no
     /// row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
@@ -38,7 +38,7 @@ pub(crate) struct Modal {
     pub(crate) refires: Vec<(u16, bool)>,
 }
 
-impl Modal {
+impl ModalCodes {
     pub(crate) fn new() -> Self {
         Self { groups: vec![None; 1000], known: Vec::new(), refires: Vec::new() }
     }

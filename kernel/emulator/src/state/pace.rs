@@ -4,17 +4,17 @@
 //! the clock of the channel runs as if speeds changed at once; the additional time of the moves is added when they are
 //! timed. Facts: reference channel-synchronisation.md 3.
 //!
-//! *Invariants:* the clock of the channel plus [`Pace::late`] is never after the time of a future event; events leave
+//! *Invariants:* the clock of the channel plus [`FeedPlanner::late`] is never after the time of a future event; events leave
 //! in their order; without accelerations nothing of this exists.
 
 use std::collections::VecDeque;
 
 use counterpoint_event::event::{Event, Position};
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::Channel as MachineChannel;
-use counterpoint_motion::lookahead::{LookAhead, Piece, corner_speed};
-use counterpoint_ports::options::{Options, TimeModel};
+use counterpoint_motion::lookahead::{LookAhead, LookAheadMove, corner_speed};
+use counterpoint_ports::options::{JobOptions, TimeModel};
 
 /// Largest distance from a corner if nothing else limits the speed there, mm.
 const DEVIATION: f64 = 0.01;
@@ -27,7 +27,7 @@ pub(super) const NOISE: f64 = 1e-12;
 
 /// Moves at feed that are not timed yet.
 #[derive(Debug)]
-pub(crate) struct Pace {
+pub(crate) struct FeedPlanner {
     look: LookAhead,
     /// Events from the first move on.
     pub(crate) events: VecDeque<Event>,
@@ -42,7 +42,7 @@ pub(crate) struct Pace {
     /// Time of the last shared operation in motion, ns: the next one is later.
     pub(crate) acted: i64,
     /// How the last move ends.
-    end: Option<End>,
+    end: Option<MoveEnd>,
     /// Largest distance from a corner, geometry units.
     deviation: Option<f64>,
     /// Least seconds of a move.
@@ -51,29 +51,29 @@ pub(crate) struct Pace {
 
 /// How a move ends.
 #[derive(Debug, Clone, Copy)]
-struct End {
+struct MoveEnd {
     direction: Position,
     acceleration: f64,
 }
 
 /// A move at feed: how it goes, and its directions at its ends, in geometry units.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stretch {
-    pub(crate) piece: Piece,
+pub(crate) struct FeedMove {
+    pub(crate) piece: LookAheadMove,
     pub(crate) start: Position,
     pub(crate) end: Position,
 }
 
-impl Pace {
+impl FeedPlanner {
     /// Of a channel; none where speeds change at once.
-    pub(crate) fn of(machine: &Machine, channel: &MachineChannel, options: &Options) -> Option<Box<Self>> {
+    pub(crate) fn of(machine: &Machine, channel: &MachineChannel, options: &JobOptions) -> Option<Box<Self>> {
         let time = &machine.time;
         let axes = || channel.axes.iter().map(|axis| &machine.axes[*axis].dynamics);
         let slow = axes().any(|axis| axis.acceleration.is_some()) || time.block_time > 0.0;
         if options.time == TimeModel::Simple || options.lint || !slow {
             return None;
         }
-        let default = if machine.unit == Unit::Inch { DEVIATION / 25.4 } else { DEVIATION };
+        let default = if machine.unit == MachineUnit::Inch { DEVIATION / 25.4 } else { DEVIATION };
         let limited = axes().any(|axis| axis.corner_speed.is_some());
         let deviation = time.corner_deviation.or((!limited).then_some(default));
         let depth = time.look_ahead as usize;
@@ -131,8 +131,8 @@ impl Pace {
     }
 
     /// The event that was added last is a move; all moves before a stop are timed.
-    pub(crate) fn push(&mut self, stretch: &Stretch, jumps: impl Iterator<Item = (usize, f64)>) {
-        let Stretch { mut piece, start, end } = *stretch;
+    pub(crate) fn push(&mut self, stretch: &FeedMove, jumps: impl Iterator<Item = (usize, f64)>) {
+        let FeedMove { mut piece, start, end } = *stretch;
         if self.block_time > 0.0 {
             piece.speed = piece.speed.min(piece.length / self.block_time);
         }
@@ -142,13 +142,13 @@ impl Pace {
         };
         self.look.push(piece);
         self.gaps.push_back((std::mem::take(&mut self.since), 0));
-        self.end = Some(End { direction: end, acceleration: piece.acceleration });
+        self.end = Some(MoveEnd { direction: end, acceleration: piece.acceleration });
     }
 
     /// Largest speed at the corner between two moves.
     fn corner(
         &self,
-        before: &End,
+        before: &MoveEnd,
         start: &Position,
         acceleration: f64,
         jumps: impl Iterator<Item = (usize, f64)>,

@@ -4,14 +4,14 @@ use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::index::{AxisId, AxisSlot, Table};
-use counterpoint_machine::model::{AxisRole, Dynamics, Machine, Turn};
+use counterpoint_machine::index::{AxisId, AxisSlot, IdTable};
+use counterpoint_machine::model::{AxisRole, Dynamics, Machine, RotaryPositioning};
 
 use super::feed_group::FeedGroup;
 
 /// An axis of the channel as the motion actions use it.
 #[derive(Debug, Clone)]
-pub(crate) struct Axis {
+pub(crate) struct ChannelAxis {
     /// Which axis of the machine it is.
     pub(crate) machine: AxisId,
     /// Identifier of its words.
@@ -36,7 +36,7 @@ pub(crate) const FIRST_AXES: usize = 4;
 
 /// The limits of the axes of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
+pub(crate) struct TravelBounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
     /// For each of the first axes, the reciprocal of the smaller distance of its limits from zero; 0 without limits. A
@@ -48,9 +48,9 @@ pub(crate) struct Bounds {
     pub(crate) foreign: u128,
 }
 
-impl Bounds {
+impl TravelBounds {
     /// See [`nearness`](Self::nearness); infinite if a later axis has limits.
-    pub(crate) fn nearness(axes: &Table<AxisSlot, Axis>) -> [f64; FIRST_AXES] {
+    pub(crate) fn nearness(axes: &IdTable<AxisSlot, ChannelAxis>) -> [f64; FIRST_AXES] {
         let mut nearness = [0.0; FIRST_AXES];
         for (slot, axis) in axes.entries() {
             let Some((low, high)) = axis.limits else { continue };
@@ -65,13 +65,13 @@ impl Bounds {
 
 /// The axes of a channel, which do not change while it runs.
 #[derive(Debug)]
-pub(crate) struct Layout {
+pub(crate) struct AxisLayout {
     /// Axes in channel order.
-    pub(crate) axes: Table<AxisSlot, Axis>,
+    pub(crate) axes: IdTable<AxisSlot, ChannelAxis>,
     /// One of them turns.
     pub(crate) rotary: bool,
     /// The limits of the axes.
-    pub(crate) bounds: Bounds,
+    pub(crate) bounds: TravelBounds,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
     /// Axes that channels exchange, bit by axis.
@@ -80,7 +80,7 @@ pub(crate) struct Layout {
     pub(crate) cartesian: [Option<AxisSlot>; 3],
 }
 
-impl Layout {
+impl AxisLayout {
     /// Channel axis with this letter.
     pub(crate) fn axis_of_letter(&self, machine: &Machine, letter: char) -> Option<AxisSlot> {
         let role = "XYZ".find(letter).and_then(|at| self.cartesian.get(at).copied().flatten());
@@ -131,7 +131,7 @@ impl Default for InForce {
 
 /// Tools of a channel.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Tools {
+pub(crate) struct ToolState {
     /// Tool in use.
     pub(crate) current: u32,
     /// Preselected tool.
@@ -144,9 +144,9 @@ pub(crate) struct Tools {
 
 /// Where the channel is and how it moves.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct MotionState {
     /// Its axes.
-    pub(crate) layout: Layout,
+    pub(crate) layout: AxisLayout,
     /// Programmed position in the work frame.
     pub(crate) position: Position,
     /// Machine frame = work frame + shift.
@@ -158,7 +158,7 @@ pub(crate) struct Place {
     /// Intermediate point of the last home move, for the return.
     pub(crate) home_via: Option<Position>,
     /// Tools.
-    pub(crate) tools: Tools,
+    pub(crate) tools: ToolState,
     /// Clamped axes, bit by axis.
     pub(crate) clamped: u8,
     /// The axes that the feed counts for; all without it.
@@ -168,20 +168,20 @@ pub(crate) struct Place {
     /// The area that the program has set; none until it does.
     pub(crate) stored: Option<Box<super::stored::StoredArea>>,
     /// Transformations between the program and the work frame; none if none is active.
-    pub(crate) frames: Option<Box<super::frames::Frames>>,
+    pub(crate) frames: Option<Box<super::frames::FrameTransforms>>,
     /// Offsets that macros have set; none while those of the machine hold.
     pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,
     /// Numbers, sets and directions of compensations.
-    pub(crate) compensation: super::compensation::Compensation,
+    pub(crate) compensation: super::compensation::CompensationModes,
 }
 
-impl Place {
+impl MotionState {
     /// A channel at home, work offset 1 active if the machine has it.
     pub(crate) fn new(machine: &Machine, channel: &counterpoint_machine::model::Channel) -> Self {
         let axes = channel.axes.map(|_, &id| {
             let a = &machine.axes[id];
             let scale = if a.diameter { 0.5 } else { 1.0 };
-            Axis {
+            ChannelAxis {
                 machine: id,
                 data: a.data,
                 role: a.role,
@@ -198,9 +198,9 @@ impl Place {
         });
         let find = |role: AxisRole| axes.find(|axis| axis.role == role);
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
-        let bounds = Bounds {
+        let bounds = TravelBounds {
             limited: axes.iter().any(|axis| axis.limits.is_some()),
-            nearness: Bounds::nearness(&axes),
+            nearness: TravelBounds::nearness(&axes),
             stop: machine.stops_at(&diag::OVER_TRAVEL),
             foreign: foreign(machine, &axes),
         };
@@ -209,7 +209,7 @@ impl Place {
             position: machine.home(channel),
             weighs: FeedGroup::weighs(feed_group.as_deref(), &axes),
             feed_group,
-            layout: Layout {
+            layout: AxisLayout {
                 rotary: axes.iter().any(|axis| axis.rotary),
                 bounds,
                 angles: angles(machine, &axes),
@@ -221,19 +221,19 @@ impl Place {
             preset: [0.0; MAX_AXES],
             in_force: InForce::default(),
             home_via: None,
-            tools: Tools::default(),
+            tools: ToolState::default(),
             clamped: 0,
             stored: None,
             frames: None,
             offsets: None,
-            compensation: super::compensation::Compensation::of(machine),
+            compensation: super::compensation::CompensationModes::of(machine),
         }
     }
 }
 
 /// Registers of axes that channels exchange, and where such words are alarms, those that only move axes which the
 /// channel does not have.
-fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
+fn foreign(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>) -> u128 {
     let exchanged = machine.tables.data_of_register.entries().filter(|(_, rows)| {
         let mut ids = rows.iter().map(|&row| machine.data[row].id);
         ids.any(|id| axes.iter().any(|axis| axis.data == id && machine.axes[axis.machine].master.is_some()))
@@ -254,13 +254,13 @@ fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
 }
 
 /// Axes of a channel that channels exchange, bit by axis.
-fn exchanged(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u8 {
-    let is = |axis: &Axis| machine.axes[axis.machine].master.is_some();
+fn exchanged(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>) -> u8 {
+    let is = |axis: &ChannelAxis| machine.axes[axis.machine].master.is_some();
     axes.entries().filter(|(_, axis)| is(axis)).fold(0, |bits, (slot, _)| bits | slot.bit())
 }
 
 /// Axes of a channel whose absolute words are angles, bit by axis.
-fn angles(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u8 {
-    let is = |axis: &Axis| machine.axes[axis.machine].turn != Turn::Position;
+fn angles(machine: &Machine, axes: &IdTable<AxisSlot, ChannelAxis>) -> u8 {
+    let is = |axis: &ChannelAxis| machine.axes[axis.machine].turn != RotaryPositioning::Position;
     axes.entries().filter(|(_, axis)| is(axis)).fold(0, |bits, (slot, _)| bits | slot.bit())
 }

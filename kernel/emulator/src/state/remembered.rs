@@ -8,16 +8,16 @@
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{DataId, data};
-use counterpoint_machine::index::Table;
+use counterpoint_machine::index::IdTable;
 
 /// Highest number that an offset can have.
 const HIGHEST: f64 = 999_999.0;
 
 /// The words.
 #[derive(Debug, Clone)]
-pub(crate) struct Remembered {
+pub(crate) struct RememberedWords {
     /// Values by data identifier.
-    data: Table<DataId, Option<f64>>,
+    data: IdTable<DataId, Option<f64>>,
     /// M word.
     function: Option<f64>,
     /// S word, as written.
@@ -26,7 +26,7 @@ pub(crate) struct Remembered {
     sequence: Option<u32>,
 }
 
-impl Remembered {
+impl RememberedWords {
     /// Nothing yet, on a machine with these data.
     pub(crate) fn new(machine: &Machine) -> Self {
         Self { data: machine.data_names.map(|_, _| None), function: None, speed: None, sequence: None }

@@ -7,7 +7,7 @@ use counterpoint_motion::contour::element::Spot;
 
 /// Form of the part that touches the contour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum ApproachForm {
     Line,
     Quarter,
     Half,
@@ -26,7 +26,7 @@ pub(crate) enum Lies {
 
 /// A height along the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Level {
+pub(crate) enum ToolHeight {
     /// Distance from the contour.
     Above(f64),
     /// Position, in the frame of the program.
@@ -35,7 +35,7 @@ pub(crate) enum Level {
 
 /// A speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Speed {
+pub(crate) enum ApproachSpeed {
     Rapid,
     Feed(Option<f64>, FeedUnit),
 }
@@ -44,24 +44,24 @@ pub(crate) enum Speed {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Smooth {
     pub(crate) leaves: bool,
-    pub(crate) form: Form,
+    pub(crate) form: ApproachForm,
     pub(crate) lies: Lies,
     /// Heights change on the line or circle, not beside it.
     pub(crate) in_space: bool,
     /// Length of the line from the edge of the tool, radius of the circle of its centre.
     pub(crate) size: f64,
     /// Where the quick part along the tool ends.
-    pub(crate) level: Option<Level>,
+    pub(crate) level: Option<ToolHeight>,
     /// Where the first part of the path ends.
-    pub(crate) retraction: Option<Level>,
+    pub(crate) retraction: Option<ToolHeight>,
     /// Of the slow part along the tool.
-    pub(crate) slow: Option<Speed>,
+    pub(crate) slow: Option<ApproachSpeed>,
     /// Of the blocks before.
-    pub(crate) before: Speed,
+    pub(crate) before: ApproachSpeed,
     /// Feed that the block itself gives.
-    pub(crate) own: Option<Speed>,
+    pub(crate) own: Option<ApproachSpeed>,
     /// Active feed, for circles without another one.
-    pub(crate) feed: Speed,
+    pub(crate) feed: ApproachSpeed,
     /// Direction of the contour at its end, where the tool leaves it.
     pub(crate) heading: Option<Spot>,
 }

@@ -3,17 +3,17 @@
 //! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
 use super::at::nanoseconds;
-use super::channel::Channel;
+use super::channel::ChannelContext;
 use super::modal::group;
 use counterpoint_motion::driven_speed::DrivenSpeed;
-use counterpoint_motion::surface_speed::Speed;
+use counterpoint_motion::surface_speed::SurfaceSpeed;
 
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::index::{SpindleId, Table};
+use counterpoint_machine::index::{IdTable, SpindleId};
 use counterpoint_machine::model::{Channel as MachineChannel, Machine};
-use counterpoint_sync::shared::{Command, Course};
+use counterpoint_sync::shared::{DrivingMove, SpindleCommand};
 
 /// Spindle of the channel: its own state, or a copy of the shared one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -23,11 +23,11 @@ pub(crate) struct SpindleState {
     /// Other channels command it too.
     pub(crate) shared: bool,
     /// Last known command.
-    pub(crate) command: Command,
+    pub(crate) command: SpindleCommand,
     /// Current speed while another channel drives the spindle, after `course`.
     pub(crate) now: f64,
     /// The last known move that drove the spindle.
-    pub(crate) course: Option<Course>,
+    pub(crate) course: Option<DrivingMove>,
     /// Number of known speed changes.
     pub(crate) changes: u64,
     /// The last of them: when, and by which channel.
@@ -49,16 +49,16 @@ pub(crate) struct AssumedSpeed {
 
 /// How the spindle turns during a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Turning {
+pub(crate) enum SpindleRotation {
     /// Steady rev/min.
     Fixed(f64),
     /// By this channel's own X.
-    Surface(Speed),
+    Surface(SurfaceSpeed),
     /// Driven by the move of another channel, which started this many minutes ago.
     Driven(DrivenSpeed, f64),
 }
 
-impl Turning {
+impl SpindleRotation {
     /// Speed in rev/min while the channel is at this radius.
     pub(crate) fn rpm(&self, radius: f64) -> f64 {
         match self {
@@ -80,25 +80,25 @@ impl SpindleState {
     }
 
     /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
-    pub(crate) fn surface_speed(&self, machine: &Machine, secondary: bool, command: &Command) -> Speed {
+    pub(crate) fn surface_speed(&self, machine: &Machine, secondary: bool, command: &SpindleCommand) -> SurfaceSpeed {
         let [min, max] = command.bounds(self.range(machine));
         let factor = match (machine.unit, secondary) {
-            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
-            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
+            (MachineUnit::Mm, false) | (MachineUnit::Inch, true) => 1000.0,
+            (MachineUnit::Mm, true) | (MachineUnit::Inch, false) => 12.0,
         };
         let to_machine = match (machine.unit, secondary) {
-            (Unit::Mm, true) => 25.4,
-            (Unit::Inch, true) => 1.0 / 25.4,
+            (MachineUnit::Mm, true) => 25.4,
+            (MachineUnit::Inch, true) => 1.0 / 25.4,
             _ => 1.0,
         };
-        Speed { surface: command.surface * factor * to_machine, max, min }
+        SurfaceSpeed { surface: command.surface * factor * to_machine, max, min }
     }
 
     /// The rotation at this time, ns, while another channel drives the spindle.
-    pub(crate) fn driven(&self, now: i64) -> Option<Turning> {
+    pub(crate) fn driven(&self, now: i64) -> Option<SpindleRotation> {
         match self.course.filter(|course| now < course.time[1]) {
-            Some(course) => Some(Turning::Driven(course.driven, course.elapsed(now))),
-            None => (self.now > 0.0).then_some(Turning::Fixed(self.now)),
+            Some(course) => Some(SpindleRotation::Driven(course.driven, course.elapsed(now))),
+            None => (self.now > 0.0).then_some(SpindleRotation::Fixed(self.now)),
         }
     }
 
@@ -123,7 +123,7 @@ pub(crate) struct Spindles {
     pub(crate) rear: Option<SpindleId>,
     pub(crate) mill: Option<SpindleId>,
     /// Commands of spindles that are not active.
-    pub(crate) kept: Table<SpindleId, Command>,
+    pub(crate) kept: IdTable<SpindleId, SpindleCommand>,
     /// Milling mode.
     pub(crate) milling: bool,
     /// Number in the code of the spindle that the channel started last, 0 = codes without a number.
@@ -140,7 +140,7 @@ impl Spindles {
             front: channel.spindle,
             rear: channel.rear,
             mill: channel.milling,
-            kept: machine.spindles.map(|_, _| Command::default()),
+            kept: machine.spindles.map(|_, _| SpindleCommand::default()),
             milling: false,
             started: 0,
             driver: None,
@@ -164,7 +164,7 @@ pub(crate) fn is_shared(machine: &Machine, id: SpindleId) -> bool {
 }
 
 /// `spindle 1 (MAIN) is stopped`, with the other channel if that stopped it.
-pub(crate) fn stopped(channel: &Channel<'_>) -> String {
+pub(crate) fn stopped(channel: &ChannelContext<'_>) -> String {
     let (state, own) = (&channel.state.spindle, channel.at.channel);
     let Some(id) = state.id else { return "channel without a spindle".to_owned() };
     let spindle = &channel.env.machine.spindles[id];
@@ -173,7 +173,7 @@ pub(crate) fn stopped(channel: &Channel<'_>) -> String {
     format!("spindle {} ({}) is stopped{by}", spindle.number, spindle.name)
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The spindle of codes without a number: not a milling one that has codes of its own.
     pub(crate) fn plain_spindle(&self) -> Option<SpindleId> {
         let spindles = &self.state.others.spindles;
@@ -225,7 +225,7 @@ impl Channel<'_> {
         if let Some(old_id) = old.id.filter(|_| !old.shared) {
             kept[old_id] = old.command;
         }
-        let command = id.map_or_else(Command::default, |id| kept[id]);
+        let command = id.map_or_else(SpindleCommand::default, |id| kept[id]);
         let shared = id.is_some_and(|id| is_shared(self.env.machine, id));
         self.state.spindle = SpindleState { id, shared, command, ..SpindleState::default() };
     }

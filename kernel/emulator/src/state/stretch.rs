@@ -4,23 +4,23 @@ use counterpoint_event::event::{MAX_AXES, Motion, MotionKind, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::Dynamics;
-use counterpoint_motion::lookahead::Piece;
+use counterpoint_motion::lookahead::LookAheadMove;
 
-use super::State;
-use super::channel::Channel;
+use super::ChannelMemory;
+use super::channel::ChannelContext;
 use super::modal::group;
-use super::pace::{NOISE, Stretch};
-use super::position::Axis;
+use super::pace::{FeedMove, NOISE};
+use super::position::ChannelAxis;
 use super::times::MoveTimes;
 
 /// The move for the look-ahead; `None` if the path stops before and after it.
 #[inline(always)]
-pub(crate) fn paced(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+pub(crate) fn paced(channel: &ChannelContext<'_>, seconds: f64, motion: &Motion) -> Option<FeedMove> {
     if channel.emitter.times_moves() { continuous(channel, seconds, motion) } else { None }
 }
 
 #[inline(never)]
-fn continuous(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+fn continuous(channel: &ChannelContext<'_>, seconds: f64, motion: &Motion) -> Option<FeedMove> {
     match motion.kind {
         MotionKind::Rapid | MotionKind::Thread => None,
         // The spindle leads.
@@ -31,8 +31,8 @@ fn continuous(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<St
 
 /// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly.
 #[inline(always)]
-pub(crate) fn emit_move(channel: &mut Channel<'_>, ns: i64, motion: &Motion, stretch: &Stretch) {
-    let Channel { at, block, state: State { place, modal, times, spindle, .. }, emitter, .. } = channel;
+pub(crate) fn emit_move(channel: &mut ChannelContext<'_>, ns: i64, motion: &Motion, stretch: &FeedMove) {
+    let ChannelContext { at, block, state: ChannelMemory { place, modal, times, spindle, .. }, emitter, .. } = channel;
     let exact = block.flags.exact_stop || modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
     let mut times = MoveTimes { record: times, command: &spindle.command };
     let axes = place.layout.axes.iter().enumerate();
@@ -41,7 +41,7 @@ pub(crate) fn emit_move(channel: &mut Channel<'_>, ns: i64, motion: &Motion, str
 }
 
 /// A move as a piece of a path; none for a move without a path.
-fn of_path(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+fn of_path(channel: &ChannelContext<'_>, seconds: f64, motion: &Motion) -> Option<FeedMove> {
     let axes = &channel.state.place.layout.axes;
     let changes = if channel.state.place.couples() {
         channel
@@ -68,25 +68,25 @@ fn of_path(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stret
 
 /// A move that becomes a piece.
 struct Along<'p, 'a> {
-    channel: &'p Channel<'a>,
+    channel: &'p ChannelContext<'a>,
     changes: &'p Position,
     seconds: f64,
 }
 
 /// The limits along a direction.
-struct Limits {
+struct DirectionLimits {
     speed: f64,
     acceleration: f64,
     jerk: f64,
 }
 
-impl Limits {
+impl DirectionLimits {
     fn none() -> Self {
         Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
     }
 
     /// Adds the limits of an axis; `part` is its share of the path.
-    fn axis(&mut self, axis: &Axis, part: f64) {
+    fn axis(&mut self, axis: &ChannelAxis, part: f64) {
         let part = part.abs();
         if part > NOISE {
             let Dynamics { acceleration, jerk, .. } = axis.dynamics;
@@ -96,15 +96,15 @@ impl Limits {
         }
     }
 
-    fn piece(&self, length: f64, speed: f64) -> Piece {
+    fn piece(&self, length: f64, speed: f64) -> LookAheadMove {
         let speed = speed.min(self.speed);
-        Piece { length, speed, acceleration: self.acceleration, jerk: self.jerk, corner: f64::INFINITY }
+        LookAheadMove { length, speed, acceleration: self.acceleration, jerk: self.jerk, corner: f64::INFINITY }
     }
 }
 
 impl Along<'_, '_> {
     /// A path of at least this length that is straight or has unknown directions.
-    fn line(&self, length: f64) -> Option<Stretch> {
+    fn line(&self, length: f64) -> Option<FeedMove> {
         let chord = self.changes.iter().map(|change| change * change).sum::<f64>().sqrt();
         let length = chord.max(length);
         if !(length > NOISE && chord > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {
@@ -112,15 +112,15 @@ impl Along<'_, '_> {
         }
         let mut direction = *self.changes;
         direction.iter_mut().for_each(|part| *part /= chord);
-        let mut limits = Limits::none();
+        let mut limits = DirectionLimits::none();
         for (axis, part) in self.channel.state.place.layout.axes.iter().zip(direction) {
             limits.axis(axis, part);
         }
-        Some(Stretch { piece: limits.piece(length, length / self.seconds), start: direction, end: direction })
+        Some(FeedMove { piece: limits.piece(length, length / self.seconds), start: direction, end: direction })
     }
 
     /// A circle in a plane, with or without a rise.
-    fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<Stretch> {
+    fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<FeedMove> {
         use counterpoint_machine::index::BySlot as _;
         let axes = &self.channel.state.place.layout.axes;
         let length = motion.length;
@@ -155,7 +155,7 @@ impl Along<'_, '_> {
             *out.at_mut(plane[1]) = turn * x / radius * flat / length;
             out
         };
-        let mut limits = Limits::none();
+        let mut limits = DirectionLimits::none();
         for (axis, part) in axes.iter().zip(&rise) {
             limits.axis(axis, part / length);
         }
@@ -166,6 +166,6 @@ impl Along<'_, '_> {
         let inward = plane.iter().filter_map(|axis| axes[*axis].dynamics.acceleration).fold(f64::INFINITY, f64::min);
         let round = (inward * radius).sqrt() * length / flat;
         let piece = limits.piece(length, round.min(length / self.seconds));
-        Some(Stretch { piece, start: direction(&motion.from), end: direction(&motion.to) })
+        Some(FeedMove { piece, start: direction(&motion.from), end: direction(&motion.to) })
     }
 }

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use counterpoint_machine::number::written;
 use counterpoint_program::block::Word;
 
-use super::channel::Channel;
+use super::channel::ChannelContext;
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Text of the user's current block, for messages: at most 60 characters. Codes that a macro executes without a text
     /// of their own belong to the block of the program.
     pub(crate) fn block_text(&self) -> String {
@@ -56,7 +56,7 @@ impl Channel<'_> {
 }
 
 /// Replaces the unrecognised text.
-pub(crate) fn set_left(channel: &mut Channel<'_>, text: String) {
+pub(crate) fn set_left(channel: &mut ChannelContext<'_>, text: String) {
     channel.block.unrecognised.clear();
     if !text.trim().is_empty() {
         // The span is not read: the text is in the context.
@@ -66,7 +66,7 @@ pub(crate) fn set_left(channel: &mut Channel<'_>, text: String) {
 }
 
 /// Unrecognised text, or the text that a macro left in its place.
-pub(crate) fn left_text(channel: &Channel<'_>) -> String {
+pub(crate) fn left_text(channel: &ChannelContext<'_>) -> String {
     if let Some(text) = channel.context.unrecognised.as_ref() {
         return text.as_ref().clone();
     }
@@ -75,12 +75,12 @@ pub(crate) fn left_text(channel: &Channel<'_>) -> String {
 }
 
 /// The text of the block with the words that the pre-processor made.
-pub(crate) fn preprocessed_bytes<'t>(channel: &'t Channel<'_>) -> Cow<'t, [u8]> {
+pub(crate) fn preprocessed_bytes<'t>(channel: &'t ChannelContext<'_>) -> Cow<'t, [u8]> {
     channel.context.left.as_ref().map_or_else(|| channel.text_bytes(), |left| left.as_bytes().into())
 }
 
 /// Text of the block being processed.
-pub(crate) fn current_text<'t>(channel: &'t Channel<'_>) -> &'t [u8] {
+pub(crate) fn current_text<'t>(channel: &'t ChannelContext<'_>) -> &'t [u8] {
     match &channel.text.edited {
         Some(text) => text,
         None => {

@@ -20,7 +20,7 @@ pub(crate) struct Screw {
 
 /// Data of the threads of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Threads {
+pub(crate) struct ThreadingState {
     /// Starts of the last thread.
     pub(crate) starts: f64,
     /// The axis, X (0) or Z (2), that leads count along, if the program says one.
@@ -33,7 +33,7 @@ pub(crate) struct Threads {
     pub(crate) cycle: Threading,
 }
 
-impl Threads {
+impl ThreadingState {
     /// No thread yet.
     pub(crate) fn new(machine: &Machine) -> Self {
         Self { starts: 1.0, along: None, rounds: false, recorded: None, cycle: Threading::new(machine) }

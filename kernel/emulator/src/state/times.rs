@@ -6,14 +6,14 @@
 //! one row, waiting to the third column; nothing is recorded on a machine without macros, except waiting. Decision: the
 //! feed per minute of a motion is its length by its time.
 
-use counterpoint_event::event::Direction;
-use counterpoint_sync::shared::Command;
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_sync::shared::SpindleCommand;
 
 use super::at::nanoseconds;
 
 /// The content of one row.
 #[derive(Debug, Clone, Copy)]
-struct Sum {
+struct SumRow {
     feed: f64,
     rapid: f64,
     /// Its time until the latest switch of rows, in nanoseconds.
@@ -22,7 +22,7 @@ struct Sum {
     speeds: (f64, f64),
 }
 
-impl Default for Sum {
+impl Default for SumRow {
     fn default() -> Self {
         Self { feed: 0.0, rapid: 0.0, whole: 0, feeds: (10_000.0, -1.0), speeds: (0.0, 0.0) }
     }
@@ -30,16 +30,16 @@ impl Default for Sum {
 
 /// The rows of one table.
 #[derive(Debug, Default)]
-struct Sums {
-    rows: Vec<Sum>,
+struct SumTable {
+    rows: Vec<SumRow>,
     /// Index of the current row, and the clock at which it became current.
     current: usize,
     since: i64,
     /// Takes amounts without a row; never read.
-    lost: Sum,
+    lost: SumRow,
 }
 
-impl Sums {
+impl SumTable {
     /// Makes another row the current row; rows count from 1.
     fn switch(&mut self, row: usize, clock: i64) {
         let since = self.since;
@@ -47,9 +47,9 @@ impl Sums {
         (self.current, self.since) = (row.saturating_sub(1), clock);
     }
 
-    fn row(&mut self) -> &mut Sum {
+    fn row(&mut self) -> &mut SumRow {
         if self.rows.len() <= self.current {
-            self.rows.resize(self.current + 1, Sum::default());
+            self.rows.resize(self.current + 1, SumRow::default());
         }
         match self.rows.get_mut(self.current) {
             Some(row) => row,
@@ -109,15 +109,15 @@ pub(crate) struct TimeRecord {
     moving: i64,
     idle: i64,
     /// `$TLSUM`
-    tools: Sums,
+    tools: SumTable,
     /// `$OPSUM`
-    operations: Sums,
+    operations: SumTable,
 }
 
 /// The record of times, with the spindle command of the moves that it records.
 pub(crate) struct MoveTimes<'s> {
     pub(crate) record: &'s mut TimeRecord,
-    pub(crate) command: &'s Command,
+    pub(crate) command: &'s SpindleCommand,
 }
 
 impl MoveTimes<'_> {
@@ -137,18 +137,18 @@ impl TimeRecord {
     }
 
     /// Records a motion of some seconds and length.
-    pub(crate) fn add_motion(&mut self, command: &Command, rapid: bool, (seconds, length): (f64, f64)) {
+    pub(crate) fn add_motion(&mut self, command: &SpindleCommand, rapid: bool, (seconds, length): (f64, f64)) {
         if self.on {
             self.moving += nanoseconds(seconds);
             self.sum(command, rapid, (seconds, length));
         }
     }
 
-    fn sum(&mut self, command: &Command, rapid: bool, amount: (f64, f64)) {
+    fn sum(&mut self, command: &SpindleCommand, rapid: bool, amount: (f64, f64)) {
         if let Some(time) = self.motion.get_mut(usize::from(rapid)) {
             *time += amount.0;
         }
-        let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+        let turning = matches!(command.direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise);
         let speed = if turning && !command.css { command.rpm } else { 0.0 };
         self.tools.motion(rapid, amount, speed);
         self.operations.motion(rapid, amount, speed);

@@ -7,9 +7,9 @@ use rustc_hash::FxHashMap;
 
 /// Names and reports of tools.
 #[derive(Debug, Default)]
-pub(crate) struct Tools {
+pub(crate) struct ToolRecords {
     /// Tools that the program calls by names.
-    pub(crate) called: Called,
+    pub(crate) called: NamedTools,
     /// The last report about each tool.
     pub(crate) reported: FxHashMap<u32, ToolData>,
 }
@@ -19,14 +19,14 @@ const MOST: usize = 1000;
 
 /// Names of tools with numbers.
 #[derive(Debug, Default)]
-pub(crate) struct Called {
+pub(crate) struct NamedTools {
     /// Names that got numbers, in their order.
     numbered: Vec<String>,
     /// Names by which tools were called, by number.
     names: Vec<(u32, String)>,
 }
 
-impl Called {
+impl NamedTools {
     /// The number of a name; a new name gets the next one from `first` on, or none after [`MOST`] names.
     pub(crate) fn number(&mut self, name: &str, first: u32) -> Option<u32> {
         let at = match self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)) {
@@ -59,11 +59,11 @@ impl Called {
 
 #[cfg(test)]
 mod tests {
-    use super::{Called, MOST};
+    use super::{MOST, NamedTools};
 
     #[test]
     fn names_beyond_the_most_share_no_number() {
-        let mut called = Called::default();
+        let mut called = NamedTools::default();
         for at in 0..MOST {
             assert_eq!(called.number(&format!("T{at}"), 501), Some(501 + at as u32));
         }

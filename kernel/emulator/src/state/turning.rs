@@ -4,10 +4,10 @@
 
 use std::sync::Arc;
 
-use super::channel::Channel;
+use super::channel::ChannelContext;
 use super::modal::{group, plane};
 use super::thread::Screw;
-use counterpoint_dialect::Shape;
+use counterpoint_dialect::NamedContour;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -16,7 +16,7 @@ use counterpoint_motion::turning::{pattern, rough};
 
 /// Turning cycles of a channel; lengths are geometry units, pairs along Z and X.
 #[derive(Debug)]
-pub(crate) struct Turning {
+pub(crate) struct TurningState {
     /// Depth of a level; 0 for none.
     pub(crate) depth: f64,
     /// Retraction at the end of a cut.
@@ -32,20 +32,20 @@ pub(crate) struct Turning {
     /// Their taper.
     pub(crate) taper: f64,
     /// The contour that is being read.
-    pub(crate) reading: Reading,
+    pub(crate) reading: RecordedContour,
     /// Moves are recorded, not made.
     pub(crate) reads: bool,
     /// The contour that a subprogram has described.
-    pub(crate) kept: Reading,
+    pub(crate) kept: RecordedContour,
     /// The contour that the block of a cycle names, until the cycle takes it.
-    pub(crate) shape: Option<Shape>,
+    pub(crate) shape: Option<NamedContour>,
     /// The tool stays at the end of the next cycle along a named contour.
     pub(crate) stays: bool,
     /// Passes of the thread that comes: how far off the contour, and how far along it.
     pub(crate) passes: Vec<[f64; 2]>,
 }
 
-impl Turning {
+impl TurningState {
     /// Settings of the machine.
     pub(crate) fn new(machine: &Machine) -> Self {
         let settings = &machine.turning;
@@ -57,9 +57,9 @@ impl Turning {
             back: settings.back,
             end: [None; 2],
             taper: 0.0,
-            reading: Reading::default(),
+            reading: RecordedContour::default(),
             reads: false,
-            kept: Reading::default(),
+            kept: RecordedContour::default(),
             shape: None,
             stays: false,
             passes: Vec::new(),
@@ -78,7 +78,7 @@ pub(crate) struct First {
 
 /// A contour that is being read.
 #[derive(Debug, Default)]
-pub(crate) struct Reading {
+pub(crate) struct RecordedContour {
     /// Where the tool was.
     pub(crate) start: Spot,
     /// The plane of the contour; none for that of turning.
@@ -129,7 +129,7 @@ pub(crate) struct ContourCycle {
     /// The blocks.
     pub(crate) blocks: ContourBlocks,
     /// Their treatment.
-    pub(crate) task: Task,
+    pub(crate) task: ContourTask,
     /// Feed of the cuts.
     pub(crate) feed: (Option<f64>, FeedUnit),
     /// Feeds of levels from changes on.
@@ -138,7 +138,7 @@ pub(crate) struct ContourCycle {
 
 /// The treatment of contour blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Task {
+pub(crate) enum ContourTask {
     /// They run once.
     Finish {
         /// The tool stays where they end.
@@ -147,21 +147,21 @@ pub(crate) enum Task {
         off: u8,
     },
     /// They are roughed, with pockets if the program says so; otherwise as their first block tells.
-    Rough(rough::Settings, Option<bool>),
+    Rough(rough::RoughSettings, Option<bool>),
     /// A thread is cut along them, in a face if they are of one.
     Thread {
         /// The depth is along Z.
         face: bool,
     },
     /// They are repeated.
-    Pattern(pattern::Settings),
+    Pattern(pattern::PatternRepeatSettings),
     /// Their inside is cleared.
-    Pocket(Pocket),
+    Pocket(PocketCycle),
 }
 
 /// A pocket that a subprogram draws; lengths are geometry units, heights those of the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Pocket {
+pub(crate) struct PocketCycle {
     /// The distance of cuts, along Y if they go along X.
     pub(crate) step: f64,
     /// Cuts go along Y.
@@ -206,7 +206,7 @@ impl LathePlane {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The active plane; none without its axes.
     pub(crate) fn active_plane(&self) -> Option<LathePlane> {
         let layout = &self.state.place.layout;

@@ -1,14 +1,14 @@
 //! Factors from the units of a program to those of the machine.
 
-use super::State;
-use super::channel::Channel;
+use super::ChannelMemory;
+use super::channel::ChannelContext;
 use super::modal::group;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, codes};
 
-impl State {
+impl ChannelMemory {
     /// Whether the active code of the units selects the secondary unit of length.
     pub(crate) fn says_secondary(&self) -> bool {
         let active = self.modal.code(group::UNITS);
@@ -21,7 +21,7 @@ impl State {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
         if !self.state.secondary {
@@ -31,12 +31,12 @@ impl Channel<'_> {
             return 1.0;
         }
         match (dimension, self.env.machine.unit) {
-            (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
-            (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
-            (Dimension::FeedTenths, Unit::Inch) => 10.0 / 25.4,
+            (Dimension::Length | Dimension::Feed, MachineUnit::Mm) => 25.4,
+            (Dimension::Length | Dimension::Feed, MachineUnit::Inch) => 1.0 / 25.4,
+            (Dimension::FeedTenths, MachineUnit::Inch) => 10.0 / 25.4,
             // The least increment of an inch is ten times finer.
-            (Dimension::Increments | Dimension::FeedTenths, Unit::Mm) => 2.54,
-            (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
+            (Dimension::Increments | Dimension::FeedTenths, MachineUnit::Mm) => 2.54,
+            (Dimension::Increments, MachineUnit::Inch) => 10.0 / 25.4,
             _ => 1.0,
         }
     }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use counterpoint_event::event::Wait;
-use counterpoint_sync::wait::{self, Rules};
+use counterpoint_event::event::WaitArrival;
+use counterpoint_sync::wait::{self, WaitRules};
 
 /// Waits that a kernel has met, so that one met again costs nothing.
 #[derive(Debug)]
 pub(crate) struct KnownWaits {
     /// How the machine writes its waits.
-    pub(crate) rules: Rules,
-    known: FxHashMap<wait::Wait, Arc<Wait>>,
+    pub(crate) rules: WaitRules,
+    known: FxHashMap<wait::Wait, Arc<WaitArrival>>,
     /// Whether the dependence of waits on the order of arrival has been reported.
     pub(crate) order_noted: bool,
 }
@@ -22,12 +22,12 @@ impl KnownWaits {
     const MOST: usize = 1000;
 
     /// None so far.
-    pub(crate) fn new(rules: Rules) -> Self {
+    pub(crate) fn new(rules: WaitRules) -> Self {
         Self { rules, known: FxHashMap::default(), order_noted: false }
     }
 
     /// The wait as it is logged, made at its first arrival.
-    pub(crate) fn wait(&mut self, wait: &wait::Wait) -> Arc<Wait> {
+    pub(crate) fn wait(&mut self, wait: &wait::Wait) -> Arc<WaitArrival> {
         if let Some(known) = self.known.get(wait) {
             return known.clone();
         }
@@ -37,7 +37,7 @@ impl KnownWaits {
         let (key, participants) = (self.rules.text(wait).into(), wait.parts.iter().collect());
         let mark = self.rules.mark(wait).into();
         let acts = self.rules.acts(wait);
-        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants, mark, acts });
+        let logged = Arc::new(WaitArrival { key, primitive: wait.primitive, participants, mark, acts });
         self.known.insert(*wait, logged.clone());
         logged
     }

@@ -6,7 +6,7 @@ use counterpoint_lang::format::wildcard_text;
 
 /// A stage that changes the text of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub(crate) enum TextStage {
     /// Tape editor.
     TapeEditor,
     /// Block delete, an active level: without the skipped part.
@@ -23,14 +23,14 @@ pub(crate) enum Stage {
 
 /// `·TapEdt·:·text`.
 #[must_use]
-pub(crate) fn edited(stage: Stage, text: &str) -> String {
+pub(crate) fn edited(stage: TextStage, text: &str) -> String {
     let header = match stage {
-        Stage::TapeEditor => "TapEdt",
-        Stage::DeleteOn => "DelOn",
-        Stage::DeleteOff => "DelOff",
-        Stage::PreProcessor => "PrePrc",
-        Stage::EmbeddedMacro => "EmbMac",
-        Stage::BlockMacro => "BlkMac",
+        TextStage::TapeEditor => "TapEdt",
+        TextStage::DeleteOn => "DelOn",
+        TextStage::DeleteOff => "DelOff",
+        TextStage::PreProcessor => "PrePrc",
+        TextStage::EmbeddedMacro => "EmbMac",
+        TextStage::BlockMacro => "BlkMac",
     };
     format!(" {header:<6} : {text}")
 }
@@ -105,8 +105,8 @@ mod tests {
 
     #[test]
     fn columns_are_the_documented_ones() {
-        assert_eq!(edited(Stage::TapeEditor, "G1"), " TapEdt : G1");
-        assert_eq!(edited(Stage::DeleteOn, "G1"), " DelOn  : G1");
+        assert_eq!(edited(TextStage::TapeEditor, "G1"), " TapEdt : G1");
+        assert_eq!(edited(TextStage::DeleteOn, "G1"), " DelOn  : G1");
         assert_eq!(word("X", "12."), " X:12.");
         assert_eq!(sequence(50), "    reg_seqno 50");
         assert_eq!(code("CODE_SPINDLE_CLW"), "  code_spindle_clw");

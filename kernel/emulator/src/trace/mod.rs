@@ -10,12 +10,12 @@
 mod lines;
 
 pub(crate) use lines::{
-    Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
+    TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
 };
 
 use crate::channel::Kernel;
 use crate::state::burden::shortened;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_event::event::{Kind, Trace};
 use counterpoint_machine::ident::{self, CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
@@ -97,14 +97,17 @@ impl Kernel<'_> {
             let sequence = kernel.channel.block.sequence.map(|number| format!("N{number}"));
             let words = (0..kernel.channel.block.words.len()).filter_map(|index| text_of_word(&kernel.channel, index));
             let texts = kernel.channel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
-            edited(Stage::PreProcessor, &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "))
+            edited(
+                TextStage::PreProcessor,
+                &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "),
+            )
         });
     }
 
     /// The text that the pre-processor of another control left.
     #[cold]
     pub(crate) fn trace_left(&mut self, text: &str) {
-        self.trace('E', |_| edited(Stage::PreProcessor, text.trim()));
+        self.trace('E', |_| edited(TextStage::PreProcessor, text.trim()));
     }
 
     /// A code begins to act.
@@ -128,18 +131,18 @@ impl Kernel<'_> {
 
 /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z,
 /// their actions in any case.
-pub(crate) fn traces(channel: &Channel<'_>, letter: char) -> bool {
+pub(crate) fn traces(channel: &ChannelContext<'_>, letter: char) -> bool {
     let Some(letters) = channel.env.trace else { return false };
     letters.has(letter) && (letter == ACTION || letters.has('Z') || !channel.env.info.is_stored(channel.at.file))
 }
 
-fn word_line(channel: &Channel<'_>, index: usize) -> String {
+fn word_line(channel: &ChannelContext<'_>, index: usize) -> String {
     let Some((register, value)) = written_word(channel, index) else { return String::new() };
     word(register, &value)
 }
 
 /// A word as its register writes it.
-fn text_of_word(channel: &Channel<'_>, index: usize) -> Option<String> {
+fn text_of_word(channel: &ChannelContext<'_>, index: usize) -> Option<String> {
     let (name, value) = written_word(channel, index)?;
     let word = channel.block.words.get(index)?;
     let register = &channel.env.machine.registers[word.register];
@@ -148,7 +151,7 @@ fn text_of_word(channel: &Channel<'_>, index: usize) -> Option<String> {
 }
 
 /// Name and number of a word as its register writes them.
-fn written_word<'c>(channel: &'c Channel<'_>, index: usize) -> Option<(&'c str, String)> {
+fn written_word<'c>(channel: &'c ChannelContext<'_>, index: usize) -> Option<(&'c str, String)> {
     let word = channel.block.words.get(index)?;
     let register = &channel.env.machine.registers[word.register];
     let name = match &register.second {

@@ -7,7 +7,7 @@ use super::declare::record;
 record! {
     /// A subprogram was entered.
     #[derive(Debug, Clone, PartialEq, Eq)]
-    pub struct Call {
+    pub struct SubprogramEntry {
         /// Program number or name as written.
         pub program: Arc<str> = 1,
         /// Nesting level inside the subprogram, from 1.

@@ -1,7 +1,7 @@
 //! Coolant.
 
-use super::fields::{Datum, Field, Fields, Record, Source, Value};
-use super::work::Work;
+use super::fields::{EventField, EventRecord, EventValue, FieldReader, FieldType, FieldWriter};
+use super::work::WorkClass;
 
 /// A coolant that was switched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,33 +49,33 @@ impl std::fmt::Display for Coolant {
     }
 }
 
-impl Record for Coolant {
-    fn fields(&self, out: &mut impl Fields) {
-        self.on.put(Field::new(1, "on"), out);
-        out.put(Field::new(2, "fluid"), Value::Named(self.fluid, self.word()));
+impl EventRecord for Coolant {
+    fn fields(&self, out: &mut impl FieldWriter) {
+        self.on.put(EventField::new(1, "on"), out);
+        out.put(EventField::new(2, "fluid"), EventValue::Named(self.fluid, self.word()));
         let (word, side, device, number) = match self.outlet {
             Outlet::Main => ("main", false, 0, 0),
             Outlet::Side => ("side", true, 0, 255),
             Outlet::Device(number) => ("device", false, number, number),
         };
-        out.put(Field::shown("outlet"), Value::Text(word));
-        side.put(Field::wire(3), out);
-        device.put(Field::wire(4), out);
-        device.put(Field::shown("device").shown_if(matches!(self.outlet, Outlet::Device(_))), out);
-        number.put(Field::counted(), out);
+        out.put(EventField::shown("outlet"), EventValue::Text(word));
+        side.put(EventField::wire(3), out);
+        device.put(EventField::wire(4), out);
+        device.put(EventField::shown("device").shown_if(matches!(self.outlet, Outlet::Device(_))), out);
+        number.put(EventField::counted(), out);
     }
 
-    fn read(from: &impl Source) -> Option<Self> {
+    fn read(from: &impl FieldReader) -> Option<Self> {
         let outlet = match (bool::get(3, from)?, u8::get(4, from)?) {
             (false, 0) => Outlet::Main,
             (false, number) => Outlet::Device(number),
             (true, _) => Outlet::Side,
         };
-        Some(Self { on: Datum::get(1, from)?, fluid: Datum::get(2, from)?, outlet })
+        Some(Self { on: FieldType::get(1, from)?, fluid: FieldType::get(2, from)?, outlet })
     }
 
-    fn work(&self) -> Option<Work> {
-        Some(Work::Misc)
+    fn work(&self) -> Option<WorkClass> {
+        Some(WorkClass::Misc)
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

@@ -1,9 +1,9 @@
 //! Declarations of events: types whose fields say how they are written, in the place where they are declared.
 
 /// Declares a type with its fields: `pub name: Type = number on the wire,`. In brackets after the number may be
-/// `optional` or `added` (see [`Field`](super::fields::Field)), `wire` for the wire only, `as "name"` for another name
+/// `optional` or `added` (see [`FieldType`](super::fields::FieldType)), `wire` for the wire only, `as "name"` for another name
 /// in JSON, `if test` when JSON has the field only if the test of the whole holds. Functions after the type belong to
-/// its [`Record`](super::fields::Record).
+/// its [`EventRecord`](super::fields::EventRecord).
 macro_rules! record {
     (
         $(#[$meta:meta])*
@@ -17,36 +17,36 @@ macro_rules! record {
             $($(#[$about])* pub $field: $kind,)*
         }
 
-        impl super::fields::Record for $type {
+        impl super::fields::EventRecord for $type {
             #[inline]
-            fn fields(&self, out: &mut impl super::fields::Fields) {
+            fn fields(&self, out: &mut impl super::fields::FieldWriter) {
                 $(
                     let field = super::declare::record!(@ self, $tag, $field, $($($how)*)?);
-                    super::fields::Datum::put(&self.$field, field, out);
+                    super::fields::FieldType::put(&self.$field, field, out);
                 )*
             }
 
             #[inline]
-            fn read(from: &impl super::fields::Source) -> Option<Self> {
-                Some(Self { $($field: super::fields::Datum::get($tag, from)?,)* })
+            fn read(from: &impl super::fields::FieldReader) -> Option<Self> {
+                Some(Self { $($field: super::fields::FieldType::get($tag, from)?,)* })
             }
 
             $($more)*
         }
     };
-    (@ $all:ident, $tag:literal, $field:ident,) => { super::fields::Field::new($tag, stringify!($field)) };
+    (@ $all:ident, $tag:literal, $field:ident,) => { super::fields::EventField::new($tag, stringify!($field)) };
     (@ $all:ident, $tag:literal, $field:ident, optional) => {
-        super::fields::Field::new($tag, stringify!($field)).optional()
+        super::fields::EventField::new($tag, stringify!($field)).optional()
     };
     (@ $all:ident, $tag:literal, $field:ident, added) => {
-        super::fields::Field::new($tag, stringify!($field)).added()
+        super::fields::EventField::new($tag, stringify!($field)).added()
     };
-    (@ $all:ident, $tag:literal, $field:ident, wire) => { super::fields::Field::wire($tag) };
+    (@ $all:ident, $tag:literal, $field:ident, wire) => { super::fields::EventField::wire($tag) };
     (@ $all:ident, $tag:literal, $field:ident, as $name:literal) => {
-        super::fields::Field::new($tag, $name)
+        super::fields::EventField::new($tag, $name)
     };
     (@ $all:ident, $tag:literal, $field:ident, if $test:path) => {
-        super::fields::Field::new($tag, stringify!($field)).shown_if($test($all))
+        super::fields::EventField::new($tag, stringify!($field)).shown_if($test($all))
     };
 }
 
@@ -91,14 +91,14 @@ macro_rules! words {
             }
         }
 
-        impl super::fields::Datum for $type {
+        impl super::fields::FieldType for $type {
             #[inline]
-            fn put(&self, field: super::fields::Field, out: &mut impl super::fields::Fields) {
-                out.put(field, super::fields::Value::Word(self.number(), self.word()));
+            fn put(&self, field: super::fields::EventField, out: &mut impl super::fields::FieldWriter) {
+                out.put(field, super::fields::EventValue::Word(self.number(), self.word()));
             }
 
             #[inline]
-            fn get(tag: u8, from: &impl super::fields::Source) -> Option<Self> {
+            fn get(tag: u8, from: &impl super::fields::FieldReader) -> Option<Self> {
                 Self::of_number(from.number(tag))
             }
         }
@@ -149,9 +149,9 @@ macro_rules! kinds {
 
             /// Writes the fields of its type.
             #[inline]
-            pub fn fields(&self, out: &mut impl fields::Fields) {
+            pub fn fields(&self, out: &mut impl fields::FieldWriter) {
                 match self {
-                    $(Self::$name(record) => fields::Record::fields(record, out),)*
+                    $(Self::$name(record) => fields::EventRecord::fields(record, out),)*
                 }
             }
 
@@ -159,9 +159,9 @@ macro_rules! kinds {
             /// length is only known at their release.
             #[inline]
             #[must_use]
-            pub fn work(&self) -> Option<Work> {
+            pub fn work(&self) -> Option<WorkClass> {
                 match self {
-                    $(Self::$name(record) => fields::Record::work(record),)*
+                    $(Self::$name(record) => fields::EventRecord::work(record),)*
                 }
             }
 
@@ -170,15 +170,15 @@ macro_rules! kinds {
             #[must_use]
             pub fn action(&self, number: fn(f64) -> String) -> Option<String> {
                 match self {
-                    $(Self::$name(record) => fields::Record::action(record, number),)*
+                    $(Self::$name(record) => fields::EventRecord::action(record, number),)*
                 }
             }
 
             /// Reads an event by its number; `None` if it is damaged or unknown.
             #[must_use]
-            pub fn read(number: u64, from: &impl fields::Source) -> Option<Self> {
+            pub fn read(number: u64, from: &impl fields::FieldReader) -> Option<Self> {
                 match number {
-                    $($number => fields::Record::read(from).map(Self::$name),)*
+                    $($number => fields::EventRecord::read(from).map(Self::$name),)*
                     _ => None,
                 }
             }

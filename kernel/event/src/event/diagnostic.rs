@@ -21,7 +21,7 @@ record! {
         /// Name of the kernel as macros have set it (`$MCENAM`), empty while it is that of the channel.
         pub kernel: Box<str> = 5 [added],
         /// The statement of a macro that raised it, none if no macro did.
-        pub origin: Option<Box<Origin>> = 6 [added],
+        pub origin: Option<Box<DiagnosticOrigin>> = 6 [added],
         /// The unrecognised text, if the diagnostic is about it.
         pub unrecognised: Option<Box<Unrecognised>> = 7 [wire],
         /// The access with which the block races, if the diagnostic reports a race.
@@ -64,7 +64,7 @@ record! {
     /// A statement of a macro, or a block of a resident program, that raised a diagnostic.
     #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
     #[serde(default)]
-    pub struct Origin {
+    pub struct DiagnosticOrigin {
         /// Name of the macro as the trace shows it, or of the program as blocks call it.
         #[serde(rename = "macro")]
         pub name: Box<str> = 1 [as "macro"],

@@ -1,20 +1,20 @@
 //! A programmed dwell.
 
-use super::fields::{Fields, Record, Source};
-use super::work::Work;
+use super::fields::{EventRecord, FieldReader, FieldWriter};
+use super::work::WorkClass;
 
 /// Programmed dwell; the duration of the event is its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dwell;
 
-impl Record for Dwell {
-    fn fields(&self, _: &mut impl Fields) {}
+impl EventRecord for Dwell {
+    fn fields(&self, _: &mut impl FieldWriter) {}
 
-    fn read(_: &impl Source) -> Option<Self> {
+    fn read(_: &impl FieldReader) -> Option<Self> {
         Some(Self)
     }
 
-    fn work(&self) -> Option<Work> {
-        Some(Work::Dwell)
+    fn work(&self) -> Option<WorkClass> {
+        Some(WorkClass::Dwell)
     }
 }

@@ -1,13 +1,13 @@
 //! Writers and readers of the fields of events.
 //!
-//! Each kind of event names its fields once, in its [`Record`]. The JSON lines, the wire, the fingerprint of the log
-//! and the count of texts are each a [`Fields`]; the reader of an encoding is a [`Source`]. *Invariant:* numbers and
-//! names of fields never change; a field that comes later is [`Field::added`].
+//! Each kind of event names its fields once, in its [`EventRecord`]. The JSON lines, the wire, the fingerprint of the log
+//! and the count of texts are each a [`FieldWriter`]; the reader of an encoding is a [`FieldReader`]. *Invariant:* numbers and
+//! names of fields never change; a field that comes later is [`EventField::added`].
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::work::Work;
+use super::work::WorkClass;
 use super::{FileId, MAX_AXES, Position};
 
 /// When a field is written in a form that could leave it out.
@@ -23,7 +23,7 @@ pub enum Presence {
 
 /// Where and how one field is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Field {
+pub struct EventField {
     /// Number on the wire, 0 = not there. The wire omits values that are zero or empty.
     pub tag: u8,
     /// Name in JSON.
@@ -34,7 +34,7 @@ pub struct Field {
     pub digest: Presence,
 }
 
-impl Field {
+impl EventField {
     /// A field of all forms.
     #[must_use]
     pub const fn new(tag: u8, name: &'static str) -> Self {
@@ -80,7 +80,7 @@ impl Field {
 
 /// The value of a field.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value<'a> {
+pub enum EventValue<'a> {
     /// Yes or no.
     Bool(bool),
     /// A number of one byte.
@@ -120,7 +120,7 @@ pub enum Value<'a> {
     File(FileId, u32),
 }
 
-impl Value<'_> {
+impl EventValue<'_> {
     /// Whether the value adds no information.
     #[must_use]
     pub fn is_blank(&self) -> bool {
@@ -142,19 +142,19 @@ impl Value<'_> {
 }
 
 /// A form in which events are written, field by field.
-pub trait Fields {
+pub trait FieldWriter {
     /// Writes one field.
-    fn put(&mut self, field: Field, value: Value<'_>);
+    fn put(&mut self, field: EventField, value: EventValue<'_>);
 
     /// Writes an optional record.
-    fn message<R: Record>(&mut self, field: Field, record: Option<&R>);
+    fn message<R: EventRecord>(&mut self, field: EventField, record: Option<&R>);
 
     /// Writes a list.
-    fn messages<R: Record>(&mut self, field: Field, records: &[R]);
+    fn messages<R: EventRecord>(&mut self, field: EventField, records: &[R]);
 }
 
 /// An encoded record: its fields by their numbers on the wire. A missing field reads as zero or empty.
-pub trait Source: Sized {
+pub trait FieldReader: Sized {
     /// A number.
     fn number(&self, tag: u8) -> u64;
     /// A measure.
@@ -174,15 +174,15 @@ pub trait Source: Sized {
 }
 
 /// A type with fields: a kind of event, or a part of it.
-pub trait Record: Sized {
+pub trait EventRecord: Sized {
     /// Writes all fields, in their order.
-    fn fields(&self, out: &mut impl Fields);
+    fn fields(&self, out: &mut impl FieldWriter);
 
     /// Reads them back; `None` if they are damaged.
-    fn read(from: &impl Source) -> Option<Self>;
+    fn read(from: &impl FieldReader) -> Option<Self>;
 
     /// The kind of work of such an event, if it takes time.
-    fn work(&self) -> Option<Work> {
+    fn work(&self) -> Option<WorkClass> {
         None
     }
 
@@ -194,26 +194,26 @@ pub trait Record: Sized {
 }
 
 /// The type of a field.
-pub trait Datum: Sized {
+pub trait FieldType: Sized {
     /// Writes it.
-    fn put(&self, field: Field, out: &mut impl Fields);
+    fn put(&self, field: EventField, out: &mut impl FieldWriter);
 
     /// Reads the value back; `None` if it is damaged.
-    fn get(tag: u8, from: &impl Source) -> Option<Self>;
+    fn get(tag: u8, from: &impl FieldReader) -> Option<Self>;
 }
 
 /// Fields that are one value of the same name.
 macro_rules! data {
     ($($type:ty: |$value:ident| $put:expr, |$from:ident, $tag:ident| $get:expr;)*) => { $(
-        impl Datum for $type {
+        impl FieldType for $type {
             #[inline]
-            fn put(&self, field: Field, out: &mut impl Fields) {
+            fn put(&self, field: EventField, out: &mut impl FieldWriter) {
                 let $value = self;
                 out.put(field, $put);
             }
 
             #[inline]
-            fn get($tag: u8, $from: &impl Source) -> Option<Self> {
+            fn get($tag: u8, $from: &impl FieldReader) -> Option<Self> {
                 $get
             }
         }
@@ -221,29 +221,29 @@ macro_rules! data {
 }
 
 data! {
-    bool: |v| Value::Bool(*v), |from, tag| Some(from.number(tag) != 0);
-    u8: |v| Value::U8(*v), |from, tag| Some(from.number(tag) as u8);
-    u16: |v| Value::U16(*v), |from, tag| Some(from.number(tag) as u16);
-    u32: |v| Value::U32(*v), |from, tag| Some(from.number(tag) as u32);
-    u64: |v| Value::U64(*v), |from, tag| Some(from.number(tag));
-    i64: |v| Value::I64(*v), |from, tag| Some(from.number(tag) as i64);
-    f64: |v| Value::Float(*v), |from, tag| Some(from.float(tag));
-    Option<f64>: |v| Value::Known(*v), |from, tag| Some(from.known(tag));
-    char: |v| Value::Letter(*v), |from, tag| from.text(tag).chars().next();
-    Box<str>: |v| Value::Text(v), |from, tag| Some(from.text(tag).into());
-    Arc<str>: |v| Value::Text(v), |from, tag| Some(from.text(tag).into());
-    Cow<'static, str>: |v| Value::Text(v), |from, tag| Some(Cow::Owned(from.text(tag).into_owned()));
-    Arc<[u16]>: |v| Value::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
-    Vec<u16>: |v| Value::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
-    Box<Position>: |v| Value::Position(v), |from, tag| Some(Box::new(position(tag, from)));
+    bool: |v| EventValue::Bool(*v), |from, tag| Some(from.number(tag) != 0);
+    u8: |v| EventValue::U8(*v), |from, tag| Some(from.number(tag) as u8);
+    u16: |v| EventValue::U16(*v), |from, tag| Some(from.number(tag) as u16);
+    u32: |v| EventValue::U32(*v), |from, tag| Some(from.number(tag) as u32);
+    u64: |v| EventValue::U64(*v), |from, tag| Some(from.number(tag));
+    i64: |v| EventValue::I64(*v), |from, tag| Some(from.number(tag) as i64);
+    f64: |v| EventValue::Float(*v), |from, tag| Some(from.float(tag));
+    Option<f64>: |v| EventValue::Known(*v), |from, tag| Some(from.known(tag));
+    char: |v| EventValue::Letter(*v), |from, tag| from.text(tag).chars().next();
+    Box<str>: |v| EventValue::Text(v), |from, tag| Some(from.text(tag).into());
+    Arc<str>: |v| EventValue::Text(v), |from, tag| Some(from.text(tag).into());
+    Cow<'static, str>: |v| EventValue::Text(v), |from, tag| Some(Cow::Owned(from.text(tag).into_owned()));
+    Arc<[u16]>: |v| EventValue::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
+    Vec<u16>: |v| EventValue::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
+    Box<Position>: |v| EventValue::Position(v), |from, tag| Some(Box::new(position(tag, from)));
 }
 
-impl<R: Record> Datum for Option<R> {
-    fn put(&self, field: Field, out: &mut impl Fields) {
+impl<R: EventRecord> FieldType for Option<R> {
+    fn put(&self, field: EventField, out: &mut impl FieldWriter) {
         out.message(field, self.as_ref());
     }
 
-    fn get(tag: u8, from: &impl Source) -> Option<Self> {
+    fn get(tag: u8, from: &impl FieldReader) -> Option<Self> {
         match from.message(tag) {
             Some(inner) => R::read(&inner).map(Some),
             None => Some(None),
@@ -251,18 +251,18 @@ impl<R: Record> Datum for Option<R> {
     }
 }
 
-impl<R: Record> Datum for Vec<R> {
-    fn put(&self, field: Field, out: &mut impl Fields) {
+impl<R: EventRecord> FieldType for Vec<R> {
+    fn put(&self, field: EventField, out: &mut impl FieldWriter) {
         out.messages(field, self);
     }
 
-    fn get(tag: u8, from: &impl Source) -> Option<Self> {
+    fn get(tag: u8, from: &impl FieldReader) -> Option<Self> {
         from.messages(tag).map(|inner| R::read(&inner)).collect()
     }
 }
 
 /// Reads a position; axes that are not there are at zero.
-pub(super) fn position(tag: u8, from: &impl Source) -> Position {
+pub(super) fn position(tag: u8, from: &impl FieldReader) -> Position {
     let mut position = [0.0; MAX_AXES];
     from.floats(tag, &mut position);
     position
@@ -271,18 +271,18 @@ pub(super) fn position(tag: u8, from: &impl Source) -> Position {
 /// Pointers to a record are written as the record.
 macro_rules! pointers {
     ($($pointer:ident)*) => { $(
-        impl<R: Record> Record for $pointer<R> {
+        impl<R: EventRecord> EventRecord for $pointer<R> {
             #[inline]
-            fn fields(&self, out: &mut impl Fields) {
+            fn fields(&self, out: &mut impl FieldWriter) {
                 (**self).fields(out);
             }
 
-            fn read(from: &impl Source) -> Option<Self> {
+            fn read(from: &impl FieldReader) -> Option<Self> {
                 R::read(from).map(Self::new)
             }
 
             #[inline]
-            fn work(&self) -> Option<Work> {
+            fn work(&self) -> Option<WorkClass> {
                 (**self).work()
             }
 
@@ -299,19 +299,19 @@ pointers! { Box Arc }
 #[derive(Debug, Default)]
 pub(super) struct Texts(pub(super) usize);
 
-impl Fields for Texts {
+impl FieldWriter for Texts {
     #[inline]
-    fn put(&mut self, _: Field, value: Value<'_>) {
-        if let Value::Text(text) = value {
+    fn put(&mut self, _: EventField, value: EventValue<'_>) {
+        if let EventValue::Text(text) = value {
             self.0 += text.len();
         }
     }
 
-    fn message<R: Record>(&mut self, _: Field, record: Option<&R>) {
+    fn message<R: EventRecord>(&mut self, _: EventField, record: Option<&R>) {
         record.into_iter().for_each(|record| record.fields(self));
     }
 
-    fn messages<R: Record>(&mut self, _: Field, records: &[R]) {
+    fn messages<R: EventRecord>(&mut self, _: EventField, records: &[R]) {
         records.iter().for_each(|record| record.fields(self));
     }
 }

@@ -6,7 +6,7 @@ use super::declare::record;
 record! {
     /// The work frame moved: machine position = programmed position + `shift`, axis by axis (axis units).
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Frame {
+    pub struct FrameShift {
         /// Shift from the work frame to the machine base frame.
         pub shift: Box<Position> = 1,
     }

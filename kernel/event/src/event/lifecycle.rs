@@ -1,7 +1,7 @@
 //! Phases in the life of the job and its kernels.
 
 use super::declare::words;
-use super::fields::{Datum, Field, Fields, Record, Source};
+use super::fields::{EventField, EventRecord, FieldReader, FieldType, FieldWriter};
 
 words! {
     /// Phases in the life of the job and its kernels.
@@ -25,12 +25,12 @@ words! {
     }
 }
 
-impl Record for Phase {
-    fn fields(&self, out: &mut impl Fields) {
-        self.put(Field::new(1, "phase"), out);
+impl EventRecord for Phase {
+    fn fields(&self, out: &mut impl FieldWriter) {
+        self.put(EventField::new(1, "phase"), out);
     }
 
-    fn read(from: &impl Source) -> Option<Self> {
+    fn read(from: &impl FieldReader) -> Option<Self> {
         Self::get(1, from)
     }
 }

@@ -28,28 +28,28 @@ mod work;
 
 use std::sync::Arc;
 
-pub use block::Block;
-pub use call::{Call, Return};
+pub use block::BlockEvent;
+pub use call::{Return, SubprogramEntry};
 pub use coolant::{Coolant, Outlet};
-pub use diagnostic::{Diagnostic, Origin, RaceWith, Unrecognised};
+pub use diagnostic::{Diagnostic, DiagnosticOrigin, RaceWith, Unrecognised};
 pub use dwell::Dwell;
-pub use frame::Frame;
-pub use function::Function;
+pub use frame::FrameShift;
+pub use function::TimedFunction;
 pub use lifecycle::Phase;
-pub use message::Message;
-pub use mode::{Carried, Mode, OffsetKind, ToolOffset};
+pub use message::OperatorMessage;
+pub use mode::{CarriedMove, ModalChange, OffsetKind, OffsetSelection};
 pub use motion::{FeedUnit, Motion, MotionKind};
-pub use spindle::{Direction, Spindle};
-pub use stop::Stop;
+pub use spindle::{SpindleChange, SpindleDirection};
+pub use stop::StopCode;
 pub use tool::{ToolAction, ToolChange, ToolData};
 pub use trace::{Listing, Trace};
-pub use verdict::{Member, Verdict, VerdictKind};
-pub use wait::{Primitive, Release, Wait};
-pub use work::Work;
+pub use verdict::{Verdict, VerdictKind, VerdictMember};
+pub use wait::{Primitive, Release, WaitArrival};
+pub use work::WorkClass;
 
 pub use crate::{FileId, MAX_AXES, Position, SourcePlace};
 
-use fields::{Datum, Field, Fields, Texts, Value};
+use fields::{EventField, EventValue, FieldType, FieldWriter, Texts};
 
 /// An event on one channel, at one instant or during one stretch of simulated time.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ declare::kinds! {
         /// A kernel entered a phase of its life.
         10 "lifecycle" Lifecycle(Phase),
         /// A block was read and is about to act.
-        11 "block" Block(Block),
+        11 "block" Block(BlockEvent),
         /// One motion (boxed nowhere: this is the hot kind).
         12 "motion" Motion(Motion),
         /// Programmed dwell.
@@ -86,25 +86,25 @@ declare::kinds! {
         /// A tool was selected or loaded.
         14 "tool" Tool(ToolChange),
         /// Spindle state after a spindle code.
-        15 "spindle" Spindle(Spindle),
+        15 "spindle" Spindle(SpindleChange),
         /// Coolant switched.
         16 "coolant" Coolant(Coolant),
         /// A word that only takes time from the machine's table.
-        17 "function" Function(Function),
+        17 "function" Function(TimedFunction),
         /// A modal state changed.
-        18 "mode" Mode(Mode),
+        18 "mode" Mode(ModalChange),
         /// The work frame moved.
-        19 "frame" Frame(Frame),
+        19 "frame" Frame(FrameShift),
         /// The program stops or ends here.
-        20 "stop" Stop(Stop),
+        20 "stop" Stop(StopCode),
         /// A subprogram was entered.
-        21 "call" Call(Call),
+        21 "call" Call(SubprogramEntry),
         /// A subprogram was left.
         22 "return" Return(Return),
         /// A message to the operator, or a line that a macro prints.
-        23 "message" Message(Message),
+        23 "message" Message(OperatorMessage),
         /// The channel arrived at a sync point and may now have to wait.
-        24 "wait" Wait(Arc<Wait>),
+        24 "wait" Wait(Arc<WaitArrival>),
         /// The channel continues after a wait.
         25 "release" Release(Release),
         /// A diagnostic of the program, the machine or a limit.
@@ -131,18 +131,18 @@ impl Event {
     /// Writes the fields that every event has; `seq` is its number in the log, from 1. Those of its kind follow. The
     /// fingerprint does not count the caller: it follows from the events before.
     #[inline]
-    pub fn head(&self, seq: u64, out: &mut impl Fields) {
-        seq.put(Field::new(1, "seq"), out);
-        self.t_ns.put(Field::new(2, "t_ns"), out);
-        self.micro.put(Field::wire(3), out);
-        self.dur_ns.put(Field::new(4, "dur_ns"), out);
-        self.channel.put(Field::new(5, "channel"), out);
-        out.put(Field::shown("kind"), Value::Text(self.kind.word()));
-        out.put(Field::new(6, "file"), Value::File(self.file, self.line));
-        self.line.put(Field::new(7, "line"), out);
+    pub fn head(&self, seq: u64, out: &mut impl FieldWriter) {
+        seq.put(EventField::new(1, "seq"), out);
+        self.t_ns.put(EventField::new(2, "t_ns"), out);
+        self.micro.put(EventField::wire(3), out);
+        self.dur_ns.put(EventField::new(4, "dur_ns"), out);
+        self.channel.put(EventField::new(5, "channel"), out);
+        out.put(EventField::shown("kind"), EventValue::Text(self.kind.word()));
+        out.put(EventField::new(6, "file"), EventValue::File(self.file, self.line));
+        self.line.put(EventField::new(7, "line"), out);
         if self.caller.is_some() {
-            out.put(Field::new(8, "caller_file"), Value::File(self.caller.file, self.caller.line));
-            self.caller.line.put(Field::new(9, "caller_line"), out);
+            out.put(EventField::new(8, "caller_file"), EventValue::File(self.caller.file, self.caller.line));
+            self.caller.line.put(EventField::new(9, "caller_line"), out);
         }
     }
 
@@ -155,17 +155,17 @@ impl Event {
 
     /// Reads an event and its number in the log; the fields of its kind are in `kind`, of this number in the oneof.
     #[must_use]
-    pub fn read<S: fields::Source>(head: &S, (number, kind): (u64, &S)) -> Option<(u64, Self)> {
+    pub fn read<S: fields::FieldReader>(head: &S, (number, kind): (u64, &S)) -> Option<(u64, Self)> {
         let kind = Kind::read(number, kind)?;
-        let seq = Datum::get(1, head)?;
+        let seq = FieldType::get(1, head)?;
         let event = Self {
-            t_ns: Datum::get(2, head)?,
-            micro: Datum::get(3, head)?,
-            dur_ns: Datum::get(4, head)?,
-            channel: Datum::get(5, head)?,
-            file: Datum::get(6, head)?,
-            line: Datum::get(7, head)?,
-            caller: SourcePlace::new(Datum::get(8, head)?, Datum::get(9, head)?),
+            t_ns: FieldType::get(2, head)?,
+            micro: FieldType::get(3, head)?,
+            dur_ns: FieldType::get(4, head)?,
+            channel: FieldType::get(5, head)?,
+            file: FieldType::get(6, head)?,
+            line: FieldType::get(7, head)?,
+            caller: SourcePlace::new(FieldType::get(8, head)?, FieldType::get(9, head)?),
             kind,
         };
         Some((seq, event))

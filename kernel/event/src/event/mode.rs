@@ -19,7 +19,7 @@ words! {
 record! {
     /// A tool offset that is in effect from here on.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub struct ToolOffset {
+    pub struct OffsetSelection {
         /// The values that it corrects.
         pub kind: OffsetKind = 1,
         /// Its number.
@@ -30,7 +30,7 @@ record! {
 record! {
     /// An axis of the channel that another channel has moved.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Carried {
+    pub struct CarriedMove {
         /// The previous position of the channel, in the work frame.
         pub from: Box<Position> = 1,
         /// The current position.
@@ -43,13 +43,13 @@ record! {
 record! {
     /// A modal state changed. *Invariant:* data that a result needs are fields; the text is for people only.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Mode {
+    pub struct ModalChange {
         /// The action in the words of the listing: `plane zx`, `comp diam left n=3`.
         pub text: Cow<'static, str> = 1,
         /// The tool offset that comes with it.
-        pub offset: Option<ToolOffset> = 2 [wire],
+        pub offset: Option<OffsetSelection> = 2 [wire],
         /// The axis that a coupling has moved in the meantime.
-        pub carried: Option<Box<Carried>> = 3 [wire],
+        pub carried: Option<Box<CarriedMove>> = 3 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {
@@ -58,7 +58,7 @@ record! {
 }
 
 /// The words of the listing.
-impl fmt::Display for Mode {
+impl fmt::Display for ModalChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
@@ -67,19 +67,19 @@ impl fmt::Display for Mode {
 impl Kind {
     /// A modal state, in the words of the listing.
     pub fn mode(text: impl Into<Cow<'static, str>>) -> Self {
-        Self::Mode(Mode { text: text.into(), offset: None, carried: None })
+        Self::Mode(ModalChange { text: text.into(), offset: None, carried: None })
     }
 
     /// A coupling of axes, in the words of the listing, and the axis that it has moved.
-    pub fn coupling(text: String, carried: Option<Carried>) -> Self {
-        Self::Mode(Mode { text: text.into(), offset: None, carried: carried.map(Box::new) })
+    pub fn coupling(text: String, carried: Option<CarriedMove>) -> Self {
+        Self::Mode(ModalChange { text: text.into(), offset: None, carried: carried.map(Box::new) })
     }
 
     /// Compensation by a tool offset, in the words of the listing. Numbers that no offset can have are left to the
     /// words.
     pub fn compensation(text: impl Into<Cow<'static, str>>, kind: OffsetKind, number: f64) -> Self {
         let whole = (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0;
-        let offset = whole.then_some(ToolOffset { kind, number: number as u32 });
-        Self::Mode(Mode { text: text.into(), offset, carried: None })
+        let offset = whole.then_some(OffsetSelection { kind, number: number as u32 });
+        Self::Mode(ModalChange { text: text.into(), offset, carried: None })
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Position;
 use super::declare::words;
-use super::fields::{Datum, Field, Fields, Record, Source, Value, position};
-use super::work::Work;
+use super::fields::{EventField, EventRecord, EventValue, FieldReader, FieldType, FieldWriter, position};
+use super::work::WorkClass;
 
 words! {
     /// How the tool moves.
@@ -94,46 +94,46 @@ impl Motion {
 /// The axes of no plane.
 const NO_PLANE: [u8; 2] = [255; 2];
 
-impl Record for Motion {
+impl EventRecord for Motion {
     #[inline]
-    fn fields(&self, out: &mut impl Fields) {
-        self.kind.put(Field::new(1, "motion"), out);
-        self.moving.put(Field::wire(2), out);
-        out.put(Field::new(3, "from"), Value::Position(&self.from));
-        out.put(Field::new(4, "to"), Value::Position(&self.to));
-        out.put(Field::shown("center"), Value::Center);
+    fn fields(&self, out: &mut impl FieldWriter) {
+        self.kind.put(EventField::new(1, "motion"), out);
+        self.moving.put(EventField::wire(2), out);
+        out.put(EventField::new(3, "from"), EventValue::Position(&self.from));
+        out.put(EventField::new(4, "to"), EventValue::Position(&self.to));
+        out.put(EventField::shown("center"), EventValue::Center);
         if self.plane_axes != NO_PLANE || self.center.iter().any(|value| value.to_bits() != 0) {
-            out.put(Field::wire(5), Value::Pair(&self.center));
-            out.put(Field::wire(6), Value::Axes(&self.plane_axes));
+            out.put(EventField::wire(5), EventValue::Pair(&self.center));
+            out.put(EventField::wire(6), EventValue::Axes(&self.plane_axes));
         }
-        self.turns.put(Field::wire(7), out);
-        self.feed.put(Field::new(8, "feed"), out);
-        self.feed_unit.put(Field::new(9, "feed_unit"), out);
-        self.length.put(Field::new(10, "length"), out);
-        self.turns.put(Field::shown("turns").optional(), out);
+        self.turns.put(EventField::wire(7), out);
+        self.feed.put(EventField::new(8, "feed"), out);
+        self.feed_unit.put(EventField::new(9, "feed_unit"), out);
+        self.length.put(EventField::new(10, "length"), out);
+        self.turns.put(EventField::shown("turns").optional(), out);
     }
 
-    fn read(from: &impl Source) -> Option<Self> {
+    fn read(from: &impl FieldReader) -> Option<Self> {
         let mut center = [0.0; 2];
         from.floats(5, &mut center);
         let mut plane_axes = NO_PLANE;
         plane_axes.iter_mut().zip(from.numbers(6)).for_each(|(slot, axis)| *slot = axis as u8);
         Some(Self {
-            kind: Datum::get(1, from)?,
-            moving: Datum::get(2, from)?,
+            kind: FieldType::get(1, from)?,
+            moving: FieldType::get(2, from)?,
             from: position(3, from),
             to: position(4, from),
             center,
             plane_axes,
-            turns: Datum::get(7, from)?,
-            feed: Datum::get(8, from)?,
-            feed_unit: Datum::get(9, from)?,
-            length: Datum::get(10, from)?,
+            turns: FieldType::get(7, from)?,
+            feed: FieldType::get(8, from)?,
+            feed_unit: FieldType::get(9, from)?,
+            length: FieldType::get(10, from)?,
         })
     }
 
     #[inline]
-    fn work(&self) -> Option<Work> {
-        Some(if self.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed })
+    fn work(&self) -> Option<WorkClass> {
+        Some(if self.kind == MotionKind::Rapid { WorkClass::Rapid } else { WorkClass::Feed })
     }
 }

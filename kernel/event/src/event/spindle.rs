@@ -1,11 +1,11 @@
 //! Spindles.
 
 use super::declare::{record, words};
-use super::work::Work;
+use super::work::WorkClass;
 
 words! {
     /// Rotation of a spindle.
-    pub enum Direction {
+    pub enum SpindleDirection {
         /// Not turning.
         Off = 1 "off",
         /// M3.
@@ -24,11 +24,11 @@ words! {
 record! {
     /// State of a spindle after a spindle code; the duration of the event is run-up time if the machine has any.
     #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct Spindle {
+    pub struct SpindleChange {
         /// Spindle number of the machine.
         pub spindle: u16 = 1,
         /// Rotation.
-        pub direction: Direction = 2,
+        pub direction: SpindleDirection = 2,
         /// `true` = constant surface speed.
         pub css: bool = 3,
         /// Revolutions per minute, or surface speed in m/min (ft/min in inch) when `css`.
@@ -36,16 +36,16 @@ record! {
         /// Speed limit in rev/min; infinite when none.
         pub limit: f64 = 5,
         /// Angle of an oriented stop, degrees; 0 otherwise.
-        pub angle: f64 = 6 [if Spindle::is_oriented],
+        pub angle: f64 = 6 [if SpindleChange::is_oriented],
     }
 
-    fn work(&self) -> Option<Work> {
-        Some(Work::Misc)
+    fn work(&self) -> Option<WorkClass> {
+        Some(WorkClass::Misc)
     }
 }
 
-impl Spindle {
+impl SpindleChange {
     fn is_oriented(&self) -> bool {
-        self.direction == Direction::Oriented
+        self.direction == SpindleDirection::Oriented
     }
 }

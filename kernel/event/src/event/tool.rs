@@ -1,7 +1,7 @@
 //! Tools that come into use, and their data.
 
 use super::declare::{record, words};
-use super::work::Work;
+use super::work::WorkClass;
 
 words! {
     /// Action of a tool code.
@@ -27,8 +27,8 @@ record! {
         pub offset: u32 = 3,
     }
 
-    fn work(&self) -> Option<Work> {
-        Some(Work::Tool)
+    fn work(&self) -> Option<WorkClass> {
+        Some(WorkClass::Tool)
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

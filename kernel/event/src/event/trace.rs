@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Kind;
 use super::declare::record;
-use super::fields::{Datum, Field, Fields, Record, Source, Value};
+use super::fields::{EventField, EventRecord, EventValue, FieldReader, FieldType, FieldWriter};
 
 /// Letter of the controls of the listing. It is not a letter that a job may ask for.
 const LISTING: char = 'L';
@@ -61,23 +61,23 @@ impl fmt::Display for Listing {
     }
 }
 
-impl Record for Listing {
-    fn fields(&self, out: &mut impl Fields) {
+impl EventRecord for Listing {
+    fn fields(&self, out: &mut impl FieldWriter) {
         let (number, word) = self.word();
-        out.put(Field::wire(1), Value::Word(number, word));
+        out.put(EventField::wire(1), EventValue::Word(number, word));
         match self {
             Self::On | Self::Off => {}
-            Self::Lines(lines) => lines.put(Field::wire(2), out),
-            Self::Block(text) => text.put(Field::wire(3), out),
+            Self::Lines(lines) => lines.put(EventField::wire(2), out),
+            Self::Block(text) => text.put(EventField::wire(3), out),
         }
     }
 
-    fn read(from: &impl Source) -> Option<Self> {
+    fn read(from: &impl FieldReader) -> Option<Self> {
         Some(match from.number(1) {
             1 => Self::On,
             2 => Self::Off,
-            3 => Self::Lines(Datum::get(2, from)?),
-            4 => Self::Block(Datum::get(3, from)?),
+            3 => Self::Lines(FieldType::get(2, from)?),
+            4 => Self::Block(FieldType::get(3, from)?),
             _ => return None,
         })
     }

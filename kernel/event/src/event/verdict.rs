@@ -2,7 +2,7 @@
 
 use super::FileId;
 use super::declare::{record, words};
-use super::fields::{Datum, Field, Fields, Record, Source, Value};
+use super::fields::{EventField, EventRecord, EventValue, FieldReader, FieldType, FieldWriter};
 
 words! {
     /// Why channels can never continue.
@@ -37,13 +37,13 @@ record! {
         /// The whole story for people.
         pub text: Box<str> = 3,
         /// The channels concerned, ascending.
-        pub members: Vec<Member> = 4,
+        pub members: Vec<VerdictMember> = 4,
     }
 }
 
 /// A channel in a verdict.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Member {
+pub struct VerdictMember {
     /// Channel number.
     pub channel: u16,
     /// File of the line where it is stopped.
@@ -54,20 +54,20 @@ pub struct Member {
     pub waiting_for: Vec<u16>,
 }
 
-impl Record for Member {
-    fn fields(&self, out: &mut impl Fields) {
-        self.channel.put(Field::new(1, "channel"), out);
-        out.put(Field::new(2, "file"), Value::File(self.file, self.line));
-        self.line.put(Field::new(3, "line"), out);
-        self.waiting_for.put(Field::new(4, "waiting_for"), out);
+impl EventRecord for VerdictMember {
+    fn fields(&self, out: &mut impl FieldWriter) {
+        self.channel.put(EventField::new(1, "channel"), out);
+        out.put(EventField::new(2, "file"), EventValue::File(self.file, self.line));
+        self.line.put(EventField::new(3, "line"), out);
+        self.waiting_for.put(EventField::new(4, "waiting_for"), out);
     }
 
-    fn read(from: &impl Source) -> Option<Self> {
+    fn read(from: &impl FieldReader) -> Option<Self> {
         Some(Self {
-            channel: Datum::get(1, from)?,
-            file: Datum::get(2, from)?,
-            line: Datum::get(3, from)?,
-            waiting_for: Datum::get(4, from)?,
+            channel: FieldType::get(1, from)?,
+            file: FieldType::get(2, from)?,
+            line: FieldType::get(3, from)?,
+            waiting_for: FieldType::get(4, from)?,
         })
     }
 }

@@ -27,7 +27,7 @@ words! {
 record! {
     /// The channel arrived at a sync point and may now have to wait.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Wait {
+    pub struct WaitArrival {
         /// Mark in messages: `M101`, `M101 P12`.
         pub key: Arc<str> = 1,
         /// Primitive that waits.
@@ -49,7 +49,7 @@ record! {
     /// The channel continues after a wait.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Release {
-        /// Same text as in [`Wait::key`].
+        /// Same text as in [`WaitArrival::key`].
         pub key: Arc<str> = 1,
         /// Primitive that waited.
         pub primitive: Primitive = 2,
@@ -57,7 +57,7 @@ record! {
         pub since_ns: i64 = 3,
         /// Ordinal of the sync point in the job, from 1, the same in all channels that met there.
         pub meeting: u64 = 4,
-        /// Same text as in [`Wait::mark`].
+        /// Same text as in [`WaitArrival::mark`].
         pub mark: Arc<str> = 5 [wire],
         /// Channel whose operation ended the wait: the last to come, or the one that set the flag or sent the signal.
         pub by: u16 = 6 [wire],

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Classes of working time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Work {
+pub enum WorkClass {
     /// Positioning.
     Rapid,
     /// Straight feed, arcs, threads.

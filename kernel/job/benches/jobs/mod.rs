@@ -5,18 +5,18 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
-use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Program, Sink, Spec};
-use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
+use counterpoint_kernel::control::JobControl;
+use counterpoint_kernel::files::MemoryFiles;
+use counterpoint_kernel::job::{Job, LogSink, ProgramSelection, Spec};
+use counterpoint_kernel::log::builder::{JobResults, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::summary::State;
+use counterpoint_kernel::log::summary::JobOutcome;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{Options, TimeModel};
+use counterpoint_kernel::options::{JobOptions, TimeModel};
 
 pub(crate) struct Count(pub(crate) u64);
 
-impl Sink for Count {
+impl LogSink for Count {
     fn events(&mut self, _: u64, batch: &[Event]) -> bool {
         self.0 += batch.len() as u64;
         true
@@ -26,7 +26,7 @@ impl Sink for Count {
 /// Results without a log, as `counterpoint run` builds them.
 pub(crate) struct Fold(ResultsBuilder);
 
-impl Sink for Fold {
+impl LogSink for Fold {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.0)
     }
@@ -40,9 +40,9 @@ impl Sink for Fold {
     }
 }
 
-pub(crate) fn results(job: &Job, files: &Memory, channels: usize) -> Results {
+pub(crate) fn results(job: &Job, files: &MemoryFiles, channels: usize) -> JobResults {
     let mut sink = Fold(ResultsBuilder::new(job.info()));
-    let outcome = job.run(files, &Control::new(channels), &mut sink);
+    let outcome = job.run(files, &JobControl::new(channels), &mut sink);
     std::hint::black_box(sink.0.finish(&outcome))
 }
 
@@ -51,24 +51,24 @@ pub(crate) fn machine(name: &str) -> Arc<Machine> {
 }
 
 /// A job with times without accelerations.
-pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
-    job_with(machine, texts, Options { time: TimeModel::Simple, ..Options::default() })
+pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, MemoryFiles) {
+    job_with(machine, texts, JobOptions { time: TimeModel::Simple, ..JobOptions::default() })
 }
 
 /// A job with options of its own.
-pub(crate) fn job_with(machine: &Arc<Machine>, texts: &[String], options: Options) -> (Job, Memory) {
-    let mut files = Memory::default();
+pub(crate) fn job_with(machine: &Arc<Machine>, texts: &[String], options: JobOptions) -> (Job, MemoryFiles) {
+    let mut files = MemoryFiles::default();
     let mut programs = Vec::new();
     for (index, text) in texts.iter().enumerate() {
         let file = format!("p{index}.nc");
         files.insert(file.clone(), text);
-        programs.push(Program { file, number: None, section: None, channel: None });
+        programs.push(ProgramSelection { file, number: None, section: None, channel: None });
     }
     let spec = Spec { machine: machine.clone(), programs, options };
     let job = Job::prepare(spec, &files).expect("a job");
     // A job that stops at an alarm would be fast.
     let summary = results(&job, &files, machine.channels.len()).summary;
-    assert_eq!(summary.state, State::Succeeded, "{:?}", summary.diagnostics);
+    assert_eq!(summary.state, JobOutcome::Succeeded, "{:?}", summary.diagnostics);
     (job, files)
 }
 

@@ -9,10 +9,10 @@ use counterpoint_emulator::macros::parts::Restart;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::layout;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Where a kernel starts.
-pub(crate) type At = (FileId, Range, Arc<str>);
+pub(crate) type At = (FileId, ProgramRange, Arc<str>);
 
 /// Request of Machine Shutdown for the next run.
 pub(super) struct Again {

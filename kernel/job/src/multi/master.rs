@@ -4,21 +4,21 @@
 //! its changes of shared variables need no order. A machine with one channel has no master.
 
 use counterpoint_fault::Halt;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::Assembly;
 use super::again::{self, Again, At};
-use super::coordinator::switch::Switch;
+use super::coordinator::switch::WaitMethod;
 use counterpoint_emulator::channel::carried::MasterMemory;
 use counterpoint_emulator::macros::store::names;
-use counterpoint_emulator::state::emitter::Target;
+use counterpoint_emulator::state::emitter::ChunkTarget;
 use counterpoint_event::event::{Event, FileId};
 use counterpoint_fault as diag;
-use counterpoint_machine::index::Table;
+use counterpoint_machine::index::IdTable;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::Channel;
 use counterpoint_program::layout::first_main;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
 pub(super) type KernelInput = (String, String, f64);
@@ -40,19 +40,19 @@ impl<'a> Assembly<'a> {
         if machine.macros.is_none() || machine.channels.len() < 2 && machine.components.is_empty() {
             return None;
         }
-        let (name, axes) = ("MASTER".to_owned(), Table::default());
+        let (name, axes) = ("MASTER".to_owned(), IdTable::default());
         let channel =
             Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None, lower: false };
         let mut kept = Vec::new();
-        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
+        let mut kernel = self.kernel(&channel, self.control.spare(), ChunkTarget::Kept(&mut kept), WaitMethod::Thread);
         for (number, at) in machine.channels.iter().zip(1_i64..) {
             let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
             let file = program.map_or("", |info| self.job.info().file_name(info.file)).to_owned();
             let (names, store) = (names(), &mut kernel.macros.variables.store);
             store.starting = true;
-            store.set_element(names.kernel_program, (at, 0), Value::text(file));
-            store.set_element(names.kernel_name, (at, 0), Value::text(number.name.as_str()));
-            store.set_element(names.kernel_channel, (at, 0), Value::Real(f64::from(number.number)));
+            store.set_element(names.kernel_program, (at, 0), MacroValue::text(file));
+            store.set_element(names.kernel_name, (at, 0), MacroValue::text(number.name.as_str()));
+            store.set_element(names.kernel_channel, (at, 0), MacroValue::Real(f64::from(number.number)));
         }
         let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
         if let Err(halt) = done {
@@ -67,7 +67,7 @@ impl<'a> Assembly<'a> {
                     .variables
                     .store
                     .element(names().kernel_program, (at, 0))
-                    .and_then(Value::as_text)
+                    .and_then(MacroValue::as_text)
                     .map(str::to_owned)
             };
             let wanted = wanted.unwrap_or_default();
@@ -84,7 +84,7 @@ impl<'a> Assembly<'a> {
                 let file = file as FileId;
                 kernel.load(file).ok()?;
                 let source = self.job.sources().get(file)?;
-                let whole = Range { number: None, first: 1, last: source.lines() };
+                let whole = ProgramRange { number: None, first: 1, last: source.lines() };
                 Some((file, first_main(source, machine, number.number).unwrap_or(whole), wanted.trim().into()))
             });
             if start.is_none() {
@@ -95,13 +95,13 @@ impl<'a> Assembly<'a> {
         }
         for (number, at) in machine.channels.iter().zip(1_i64..) {
             let line = kernel.macros.variables.store.element(names().kernel_line, (at, 0));
-            let Some(line) = line.and_then(Value::as_real).filter(|line| *line != 1.0) else { continue };
+            let Some(line) = line.and_then(MacroValue::as_real).filter(|line| *line != 1.0) else { continue };
             let place = programs.iter().position(|(given, _)| *given == number.number);
             let own = || self.job.info().channel(number.number).filter(|c| !c.program.is_empty());
             let start = match place.and_then(|place| programs.get(place)) {
                 Some((_, at)) => at.clone(),
                 None => own().map(|c| {
-                    let range = Range { number: None, first: c.lines.0, last: c.lines.1 };
+                    let range = ProgramRange { number: None, first: c.lines.0, last: c.lines.1 };
                     (c.file, range, c.program.clone().into())
                 }),
             };
@@ -112,7 +112,7 @@ impl<'a> Assembly<'a> {
                 kernel.diagnose(&diag::MACRO_RESULT, text);
                 continue;
             }
-            let start = (number.number, Some((file, Range { first: line as u32, ..range }, name)));
+            let start = (number.number, Some((file, ProgramRange { first: line as u32, ..range }, name)));
             match place.and_then(|place| programs.get_mut(place)) {
                 Some(slot) => *slot = start,
                 None => programs.push(start),
@@ -121,11 +121,11 @@ impl<'a> Assembly<'a> {
         kernel.macros.variables.store.starting = false;
         let program = |at| {
             let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
-            set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
+            set.and_then(MacroValue::as_text).unwrap_or("").trim().to_owned()
         };
         let name = |at| {
             let set = kernel.macros.variables.store.element(names().kernel_name, (at, 0));
-            set.and_then(Value::as_text).unwrap_or("").to_owned()
+            set.and_then(MacroValue::as_text).unwrap_or("").to_owned()
         };
         let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
         // The master starts once, so nothing is there yet.
@@ -147,7 +147,7 @@ impl<'a> Assembly<'a> {
     ) -> Option<Again> {
         let Master { channel, memory, .. } = master.as_mut()?;
         let mut kept = Vec::new();
-        let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
+        let mut kernel = self.kernel(channel, self.control.spare(), ChunkTarget::Kept(&mut kept), WaitMethod::Thread);
         kernel.take_over_master(memory.take()?, (t, micro));
         let done = kernel.plain_macro(Hook::MachineShutdown);
         if let Err(halt) = done {

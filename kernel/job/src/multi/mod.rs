@@ -15,41 +15,41 @@ use std::sync::OnceLock;
 use again::At;
 use backlog::Backlog;
 use coordinator::Coordinator;
-use coordinator::switch::{Port, Switch};
+use coordinator::switch::{Port, WaitMethod};
 use master::Master;
-use merge::{End, Feeder, Merger};
-use rounds::Round;
-use stream::Stream;
+use merge::{Feeder, MergeEnd, Merger};
+use rounds::MachineRun;
+use stream::EventStream;
 
 use crate::prepared::Job;
 use crate::step::Director;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::channel::carried::{Carried, Lived};
-use counterpoint_emulator::channel::components::Component;
+use counterpoint_emulator::channel::carried::{CarriedState, Lived};
+use counterpoint_emulator::channel::components::PreparedComponent;
 use counterpoint_emulator::channel::parts::{Ports, Setup};
-use counterpoint_emulator::channel::plan::Plan;
-use counterpoint_emulator::state::channel::Environment;
-use counterpoint_emulator::state::emitter::{Emitter, Target};
-use counterpoint_event::Outcome;
+use counterpoint_emulator::channel::plan::ExecutionPlan;
+use counterpoint_emulator::state::channel::RunEnvironment;
+use counterpoint_emulator::state::emitter::{ChunkTarget, Emitter};
+use counterpoint_event::RunEnd;
 use counterpoint_event::event::{Event, Kind, Phase, SourcePlace};
 use counterpoint_machine::model::Channel;
-use counterpoint_ports::control::{Control, Progress, State};
-use counterpoint_ports::files::Files;
+use counterpoint_ports::control::{ChannelActivity, ChannelProgress, JobControl};
+use counterpoint_ports::files::JobFiles;
 use counterpoint_ports::step::Stepper;
-use counterpoint_program::shape::Range;
-use counterpoint_sync::order::idle::Program;
-use counterpoint_sync::sink::{Sink, WrittenFiles};
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_sync::order::idle::StartableProgram;
+use counterpoint_sync::sink::{LogSink, WrittenFiles};
 use counterpoint_sync::tag::Tag;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
-pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+pub(crate) fn run(job: &Job, files: &dyn JobFiles, control: &JobControl, sink: &mut dyn LogSink) -> RunEnd {
     let machine = &*job.spec().machine;
     let (plan, plans) = job.plans();
     let components = job.components(&plans);
-    let (given, mut round) = (OnceLock::new(), Some(Round::default()));
+    let (given, mut round) = (OnceLock::new(), Some(MachineRun::default()));
     let director = control.console().map(|console| Director::new(console, control, (job.info(), machine)));
     let mut written = WrittenFiles::new();
-    let mut log = Log::new(sink);
+    let mut log = LogOutput::new(sink);
     while let Some(mut now) = round.take() {
         let numbers = machine.channels.iter().map(|channel| channel.number);
         let (merging, sender) = match log.logged.then(|| Merger::new(numbers, job.info().room.waiting)) {
@@ -69,7 +69,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
                 merger.next_seq = log.seq + 1;
                 let lived = assembly.kernels(starting, &mut backlogs, Some((&mut merger, feeders)), log.sink);
                 log.seq = merger.next_seq - 1;
-                log.refused |= merger.end() == End::Refused;
+                log.refused |= merger.end() == MergeEnd::Refused;
                 lived
             }
             None => assembly.kernels(starting, &mut backlogs, None, log.sink),
@@ -79,14 +79,14 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
         round = round.filter(|_| !log.refused);
         written = coordinator.written();
     }
-    let outcome = Outcome { events: log.count, cancelled: control.cancelled(), sink_failed: log.refused };
+    let outcome = RunEnd { events: log.count, cancelled: control.cancelled(), sink_failed: log.refused };
     sink.files(written);
     outcome
 }
 
 /// Results and log between the runs of the kernels.
-struct Log<'s> {
-    sink: &'s mut dyn Sink,
+struct LogOutput<'s> {
+    sink: &'s mut dyn LogSink,
     /// Whether the ordered log is requested.
     logged: bool,
     /// Number of the last event that the sink has received.
@@ -97,8 +97,8 @@ struct Log<'s> {
     refused: bool,
 }
 
-impl<'s> Log<'s> {
-    fn new(sink: &'s mut dyn Sink) -> Self {
+impl<'s> LogOutput<'s> {
+    fn new(sink: &'s mut dyn LogSink) -> Self {
         let logged = sink.is_logged();
         Self { sink, logged, seq: 0, count: 0, refused: false }
     }
@@ -145,13 +145,13 @@ impl<'s> Log<'s> {
 }
 
 /// A kernel about to start.
-struct Start<'a> {
+struct KernelStart<'a> {
     channel: &'a Channel,
-    progress: &'a Progress,
+    progress: &'a ChannelProgress,
     /// Its program; without one it waits until another channel starts it.
     at: Option<At>,
     /// After a restart of the machine: time and microstep, and the state that the kernel carries over.
-    before: Option<((i64, u32), Option<Carried>)>,
+    before: Option<((i64, u32), Option<CarriedState>)>,
     /// The kernel continues with another file, with or without resetting modal state.
     reset: Option<bool>,
 }
@@ -163,11 +163,11 @@ type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 #[derive(Clone, Copy)]
 struct Assembly<'a> {
     job: &'a Job,
-    plan: &'a Plan,
-    components: &'a [Component<'a>],
+    plan: &'a ExecutionPlan,
+    components: &'a [PreparedComponent<'a>],
     coordinator: &'a Coordinator,
-    files: &'a dyn Files,
-    control: &'a Control,
+    files: &'a dyn JobFiles,
+    control: &'a JobControl,
     /// Chooses the next kernel in a job with stepping.
     director: Option<&'a Director<'a>>,
     /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
@@ -176,13 +176,13 @@ struct Assembly<'a> {
 
 impl<'a> Assembly<'a> {
     /// The kernels that have a program or may be started; logs those that have none.
-    fn starting(self, kernel_0: Option<&Master>, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
+    fn starting(self, kernel_0: Option<&Master>, log: &mut dyn FnMut(&Event) -> bool) -> Vec<KernelStart<'a>> {
         let Self { job, coordinator, control, .. } = self;
         let mut starting = Vec::new();
         for (index, channel) in job.spec().machine.channels.iter().enumerate() {
             let progress = control.progress().get(index).unwrap_or(control.spare());
             let own = job.info().channel(channel.number).filter(|c| !c.program.is_empty()).map(|start| {
-                let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
+                let range = ProgramRange { number: None, first: start.lines.0, last: start.lines.1 };
                 (start.file, range, start.program.clone().into())
             });
             let given =
@@ -190,12 +190,13 @@ impl<'a> Assembly<'a> {
             let at = given.map_or(own, |(_, at)| at.clone()).filter(|_| kernel_0.is_none_or(|master| master.good));
             if let Some((file, range, name)) = &at {
                 let (lines, name) = ((range.first, range.last), (**name).into());
-                coordinator.unordered(|order| order.preselect(channel.number, Program { file: *file, lines, name }));
+                coordinator
+                    .unordered(|order| order.preselect(channel.number, StartableProgram { file: *file, lines, name }));
             } else {
-                progress.set_state(State::NotStarted);
+                progress.set_state(ChannelActivity::NotStarted);
                 log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
             }
-            starting.push(Start { channel, progress, at, before: None, reset: None });
+            starting.push(KernelStart { channel, progress, at, before: None, reset: None });
         }
         // Other channels start those without a program, if the control can do so and a channel runs.
         let can_start = job.spec().machine.sync.starts_channels() && starting.iter().any(|start| start.at.is_some());
@@ -213,10 +214,10 @@ impl<'a> Assembly<'a> {
     /// Runs the kernels. Each feeds the backlog of its channel; the log, if there is one, is merged on this thread.
     fn kernels(
         self,
-        starting: Vec<Start<'_>>,
+        starting: Vec<KernelStart<'_>>,
         backlogs: &mut [Backlog],
         merging: Option<(&mut Merger, Vec<Feeder>)>,
-        sink: &mut dyn Sink,
+        sink: &mut dyn LogSink,
     ) -> Vec<Lived> {
         let mut free: Vec<Option<&mut Backlog>> = backlogs.iter_mut().map(Some).collect();
         let mut work = Vec::new();
@@ -230,8 +231,8 @@ impl<'a> Assembly<'a> {
         {
             // The only kernel needs no thread of its own, and no merging.
             return vec![match merger {
-                Some(merger) => self.alone(start, Stream::only(backlog, merger, sink)),
-                None => self.alone(start, Stream::new(backlog, None)),
+                Some(merger) => self.alone(start, EventStream::only(backlog, merger, sink)),
+                None => self.alone(start, EventStream::new(backlog, None)),
             }];
         }
         let work = work.into_iter().map(|(start, backlog)| {
@@ -249,27 +250,27 @@ impl<'a> Assembly<'a> {
     }
 
     /// Runs the only kernel of a job on this thread.
-    fn alone<'k>(self, start: Start<'k>, stream: Stream<'k>) -> Lived
+    fn alone<'k>(self, start: KernelStart<'k>, stream: EventStream<'k>) -> Lived
     where
         'a: 'k,
     {
         self.coordinator.set_single();
-        let (kernel, at, reset) = self.started(start, stream, Switch::Thread);
+        let (kernel, at, reset) = self.started(start, stream, WaitMethod::Thread);
         kernel.live(at, reset)
     }
 
     /// A kernel as it starts, with its program.
     fn started<'k>(
         self,
-        start: Start<'k>,
-        stream: Stream<'k>,
-        switch: Switch<'k>,
+        start: KernelStart<'k>,
+        stream: EventStream<'k>,
+        switch: WaitMethod<'k>,
     ) -> (Kernel<'k>, Option<At>, Option<bool>)
     where
         'a: 'k,
     {
-        let Start { channel, progress, at, before, reset } = start;
-        let mut kernel = self.kernel(channel, progress, Target::Stream(stream), switch);
+        let KernelStart { channel, progress, at, before, reset } = start;
+        let mut kernel = self.kernel(channel, progress, ChunkTarget::Stream(stream), switch);
         if let Some((now, carried)) = before {
             (kernel.channel.at.clock, kernel.channel.at.micro) = now;
             if let Some(carried) = carried {
@@ -280,7 +281,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Runs a thread for each kernel; meanwhile this thread does other work.
-    fn together(self, work: Vec<(Start<'_>, Feeds<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
+    fn together(self, work: Vec<(KernelStart<'_>, Feeds<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();
@@ -288,7 +289,8 @@ impl<'a> Assembly<'a> {
                 let number = start.channel.number;
                 let work = move || {
                     control.measured(|| {
-                        let (kernel, at, reset) = self.started(start, Stream::new(backlog, feeder), Switch::Thread);
+                        let (kernel, at, reset) =
+                            self.started(start, EventStream::new(backlog, feeder), WaitMethod::Thread);
                         guarded(kernel, at, reset, coordinator)
                     })
                 };
@@ -334,9 +336,9 @@ impl<'a> Assembly<'a> {
     fn kernel<'k>(
         self,
         channel: &'k Channel,
-        progress: &'k Progress,
-        target: Target<'k>,
-        switch: Switch<'k>,
+        progress: &'k ChannelProgress,
+        target: ChunkTarget<'k>,
+        switch: WaitMethod<'k>,
     ) -> Kernel<'k>
     where
         'a: 'k,
@@ -347,7 +349,7 @@ impl<'a> Assembly<'a> {
         let (machine, plan, macros) =
             own.map_or((whole, plan, job.macros()), |own| (own.machine, own.plan, own.macros));
         let coordinator = Port::new(coordinator, switch);
-        let env = Environment {
+        let env = RunEnvironment {
             machine,
             whole,
             info: job.info(),

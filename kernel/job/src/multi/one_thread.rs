@@ -11,11 +11,11 @@ use corosensei::stack::DefaultStack;
 use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
 
 use super::coordinator::Coordinator;
-use super::coordinator::switch::{Pause, Switch};
+use super::coordinator::switch::{WaitMethod, YieldReason};
 use super::merge::{Feeder, Returned};
-use super::stream::Stream;
-use super::{Assembly, Feeds, Start};
-use crate::step::{Candidate, Director};
+use super::stream::EventStream;
+use super::{Assembly, Feeds, KernelStart};
+use crate::step::{Director, KernelCandidate};
 use counterpoint_emulator::channel::carried::Lived;
 use counterpoint_emulator::channel::step::common;
 
@@ -26,36 +26,36 @@ const STACK: usize = 2 << 20;
 type End = std::thread::Result<Lived>;
 
 /// A kernel in turns.
-struct Turn<'s> {
+struct KernelCoroutine<'s> {
     channel: u16,
-    coroutine: ScopedCoroutineRef<'s, (), Pause, End, DefaultStack>,
+    coroutine: ScopedCoroutineRef<'s, (), YieldReason, End, DefaultStack>,
     /// Why it does not run; nothing before its first turn.
-    pause: Option<Pause>,
+    pause: Option<YieldReason>,
     /// Chunks that the merger has given back, if there is a log.
     returned: Option<Returned>,
 }
 
-impl Turn<'_> {
+impl KernelCoroutine<'_> {
     /// Whether it waits for a chunk that has not come back.
     fn is_far_ahead(&self) -> bool {
-        self.pause == Some(Pause::Chunk) && !self.returned.as_ref().is_some_and(Returned::any)
+        self.pause == Some(YieldReason::Chunk) && !self.returned.as_ref().is_some_and(Returned::any)
     }
 }
 
 /// A kernel that has not begun.
-type Begin<'k> = (u16, Option<Returned>, ScopedCoroutine<'k, (), Pause, End, DefaultStack>);
+type Begin<'k> = (u16, Option<Returned>, ScopedCoroutine<'k, (), YieldReason, End, DefaultStack>);
 
 /// Starts all kernels, each within the scope of those before it, and runs them to their end.
 fn scoped<'k>(
     mut rest: impl Iterator<Item = Begin<'k>>,
-    turns: Vec<Turn<'_>>,
+    turns: Vec<KernelCoroutine<'_>>,
     scheduler: &mut Scheduler<'_>,
 ) -> Vec<End> {
     match rest.next() {
         Some((channel, returned, coroutine)) => coroutine.scope(|coroutine| {
             // The earlier kernels live longer than this one.
             let mut turns = turns;
-            turns.push(Turn { channel, coroutine, pause: None, returned });
+            turns.push(KernelCoroutine { channel, coroutine, pause: None, returned });
             scoped(rest, turns, scheduler)
         }),
         None => scheduler.take_turns(turns),
@@ -73,7 +73,7 @@ struct Scheduler<'s> {
 
 impl Scheduler<'_> {
     /// Runs the kernels until all have ended.
-    fn take_turns(&mut self, mut turns: Vec<Turn<'_>>) -> Vec<End> {
+    fn take_turns(&mut self, mut turns: Vec<KernelCoroutine<'_>>) -> Vec<End> {
         let mut ends = Vec::new();
         while let Some(next) = self.next_turn(&turns) {
             let Some(turn) = turns.get_mut(next) else { break };
@@ -91,11 +91,12 @@ impl Scheduler<'_> {
 
     /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects. A
     /// kernel whose chunks have not come back is last: the others let the merger advance. `None`: all have ended.
-    fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
+    fn next_turn(&self, turns: &[KernelCoroutine<'_>]) -> Option<usize> {
         let coordinator = self.coordinator;
-        let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
+        let ready =
+            |turn: &KernelCoroutine<'_>| turn.pause != Some(YieldReason::Sleep) || !coordinator.sleeps(turn.channel);
         if let Some((director, globals)) = self.director {
-            let candidate = |turn: &Turn<'_>| Candidate {
+            let candidate = |turn: &KernelCoroutine<'_>| KernelCandidate {
                 channel: turn.channel,
                 ready: ready(turn),
                 far_ahead: turn.is_far_ahead(),
@@ -107,8 +108,8 @@ impl Scheduler<'_> {
                 return Some(next);
             }
         }
-        let order = |turn: &Turn<'_>| (turn.is_far_ahead(), coordinator.bound(turn.channel), turn.channel);
-        let next = |turns: &[Turn<'_>]| {
+        let order = |turn: &KernelCoroutine<'_>| (turn.is_far_ahead(), coordinator.bound(turn.channel), turn.channel);
+        let next = |turns: &[KernelCoroutine<'_>]| {
             let able = turns.iter().enumerate().filter(|(_, turn)| ready(turn));
             able.min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
         };
@@ -122,7 +123,7 @@ impl Scheduler<'_> {
 
 impl<'a> Assembly<'a> {
     /// Runs the kernels in turns; `between` is called whenever none of them runs.
-    pub(super) fn in_turns(self, work: Vec<(Start<'_>, Feeds<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
+    pub(super) fn in_turns(self, work: Vec<(KernelStart<'_>, Feeds<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
         let mut coroutines = Vec::new();
         for (start, feeds) in work {
             let number = start.channel.number;
@@ -136,11 +137,11 @@ impl<'a> Assembly<'a> {
             let returned = feeds.1.as_ref().map(Feeder::returned);
             // The initial data of a coroutine must be small.
             let begin = Box::new((start, feeds));
-            let body = move |yielder: &Yielder<(), Pause>, ()| {
+            let body = move |yielder: &Yielder<(), YieldReason>, ()| {
                 let life = catch_unwind(AssertUnwindSafe(|| {
                     let (start, (backlog, feeder)) = *begin;
                     let (kernel, at, reset) =
-                        self.started(start, Stream::new(backlog, feeder), Switch::Coroutine(yielder));
+                        self.started(start, EventStream::new(backlog, feeder), WaitMethod::Coroutine(yielder));
                     kernel.live(at, reset)
                 }));
                 if life.is_err() {

@@ -7,19 +7,19 @@ use super::again::Again;
 use super::channels::Channels;
 use super::coordinator::Coordinator;
 use super::master::Master;
-use super::shared::{Shared, Spindle};
-use super::{Assembly, Start};
+use super::shared::{SharedSpindle, SharedState};
+use super::{Assembly, KernelStart};
 use crate::prepared::Job;
-use counterpoint_emulator::channel::carried::{Carried, Lived};
+use counterpoint_emulator::channel::carried::{CarriedState, Lived};
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault::Halt;
 use counterpoint_machine::Machine;
 use counterpoint_program::presets;
 use counterpoint_program::spec::Spec;
-use counterpoint_sync::merge::Message;
-use counterpoint_sync::races::Races;
+use counterpoint_sync::merge::MergerMessage;
+use counterpoint_sync::races::RaceDetector;
 use counterpoint_sync::tag::Tag;
-use counterpoint_sync::waits::Waits;
+use counterpoint_sync::waits::JobWaits;
 use counterpoint_waits::{of_axis, rules};
 
 /// How often Machine Shutdown may start the machine again.
@@ -27,42 +27,42 @@ const MOST: u32 = 1000;
 
 /// A run of all kernels, and its initial data.
 #[derive(Default)]
-pub(super) struct Round {
+pub(super) struct MachineRun {
     /// How often the machine has been started again.
     number: u32,
     /// Time and microstep at which it begins.
     pub(super) at: (i64, u32),
     master: Option<Master>,
     again: Option<Again>,
-    carried: Vec<Carried>,
-    shared: Option<Shared>,
+    carried: Vec<CarriedState>,
+    shared: Option<SharedState>,
     /// Meetings so far.
     sync_points: u64,
 }
 
-impl Round {
+impl MachineRun {
     /// The coordinator of its kernels; those of a job with stepping share one thread.
     pub(super) fn coordinator(
         &mut self,
         job: &Job,
-        (stepped, messages): (bool, Option<crossbeam_channel::Sender<Message>>),
+        (stepped, messages): (bool, Option<crossbeam_channel::Sender<MergerMessage>>),
     ) -> Coordinator {
         let Spec { machine, options, .. } = job.spec();
-        let fresh = || Shared {
+        let fresh = || SharedState {
             variables: kept_by_machine(machine).chain(presets(job)).collect(),
-            spindles: vec![Spindle::default(); machine.spindles.len()],
-            ..Shared::default()
+            spindles: vec![SharedSpindle::default(); machine.spindles.len()],
+            ..SharedState::default()
         };
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
-        let mut waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
+        let mut waits = JobWaits::new(channels.clone(), rules(machine), machine.sync.release_ns);
         waits.timeless = options.lint;
         for (axis, master) in machine.axes.entries().filter_map(|(axis, row)| Some((axis, row.master?))) {
             waits.hold(master, of_axis(axis));
         }
         let threads = if stepped { 1 } else { usize::from(options.threads) };
         let coordinator = Coordinator::new(channels.clone(), threads, shared, waits, messages);
-        let races = (!options.races.is_off() && channels.count() > 1).then(|| Box::new(Races::new(channels)));
+        let races = (!options.races.is_off() && channels.count() > 1).then(|| Box::new(RaceDetector::new(channels)));
         coordinator.unordered(|order| (order.sync_points, order.races) = (self.sync_points, races));
         coordinator
     }
@@ -92,7 +92,7 @@ fn presets(job: &Job) -> impl Iterator<Item = (u32, f64)> {
 
 impl<'a> Assembly<'a> {
     /// Starts the machine, or starts it again: the kernels that have something to do.
-    pub(super) fn begin(self, round: &mut Round, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
+    pub(super) fn begin(self, round: &mut MachineRun, log: &mut dyn FnMut(&Event) -> bool) -> Vec<KernelStart<'a>> {
         let Some(again) = round.again.take() else {
             round.master = self.master_startup(log);
             log(&super::master(0, Kind::Lifecycle(Phase::MachineStart)));
@@ -107,7 +107,7 @@ impl<'a> Assembly<'a> {
                 Some((_, at)) => {
                     let reset = carried.is_some().then_some(again.reset);
                     let before = Some((round.at, carried));
-                    starting.push(Start { channel, progress, at: Some(at.clone()), before, reset });
+                    starting.push(KernelStart { channel, progress, at: Some(at.clone()), before, reset });
                 }
                 None => {
                     // It may get a program the next time.
@@ -124,11 +124,11 @@ impl<'a> Assembly<'a> {
     /// round, if there is one.
     pub(super) fn close(
         self,
-        mut round: Round,
+        mut round: MachineRun,
         lived: Vec<Lived>,
         (t_ns, micro): (i64, u32),
         log: &mut dyn FnMut(&Event) -> bool,
-    ) -> Option<Round> {
+    ) -> Option<MachineRun> {
         let stop = self.coordinator.stop_tag();
         self.coordinator.unordered(|order| order.shared.files.close(stop));
         let ended = |one: &Lived| one.ended.is_some_and(|tag| tag <= stop);
@@ -152,7 +152,7 @@ impl<'a> Assembly<'a> {
         carried.extend(lived.into_iter().filter_map(|one| one.left).map(|left| *left));
         let (shared, sync_points) =
             self.coordinator.unordered(|order| (std::mem::take(&mut order.shared), order.sync_points));
-        Some(Round {
+        Some(MachineRun {
             number: round.number + 1,
             at: (t_ns, micro.saturating_add(1)),
             master: round.master,

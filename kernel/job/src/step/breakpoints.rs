@@ -5,7 +5,7 @@
 use counterpoint_event::SourcePlace;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
-use counterpoint_ports::step::{Breakpoint, Event, Seen, Spot};
+use counterpoint_ports::step::{BreakLocation, Breakpoint, KernelSnapshot, StepEvent};
 
 /// Breakpoints of a job at most.
 const MOST: usize = 1000;
@@ -13,13 +13,13 @@ const MOST: usize = 1000;
 /// The breakpoints of a job.
 #[derive(Debug, Default)]
 pub(super) struct Breakpoints {
-    list: Vec<Set>,
+    list: Vec<ArmedBreakpoint>,
     last_id: u32,
 }
 
 /// A breakpoint, and how often it was hit.
 #[derive(Debug)]
-struct Set {
+struct ArmedBreakpoint {
     of: Breakpoint,
     hits: u32,
 }
@@ -34,22 +34,22 @@ impl Breakpoints {
     pub(super) fn add(
         &mut self,
         breakpoint: Breakpoint,
-        may_hit: impl Fn(&Spot) -> Result<(), String>,
+        may_hit: impl Fn(&BreakLocation) -> Result<(), String>,
     ) -> Result<Breakpoint, String> {
         if self.list.len() >= MOST {
             return Err(format!("there are {MOST} breakpoints already: delete some"));
         }
         match &breakpoint.spot {
-            Spot::Write(name) if name.trim().is_empty() => {
+            BreakLocation::Write(name) if name.trim().is_empty() => {
                 return Err("a breakpoint on a write needs the name of a variable, such as #500".to_owned());
             }
-            Spot::Line { line: 0, .. } => return Err("lines count from 1".to_owned()),
-            Spot::Time(ns) if *ns < 0 => return Err("simulated time begins at 0".to_owned()),
+            BreakLocation::Line { line: 0, .. } => return Err("lines count from 1".to_owned()),
+            BreakLocation::Time(ns) if *ns < 0 => return Err("simulated time begins at 0".to_owned()),
             spot => may_hit(spot)?,
         }
         self.last_id += 1;
         let of = Breakpoint { id: self.last_id, ..breakpoint };
-        self.list.push(Set { of: of.clone(), hits: 0 });
+        self.list.push(ArmedBreakpoint { of: of.clone(), hits: 0 });
         Ok(of)
     }
 
@@ -63,7 +63,7 @@ impl Breakpoints {
     }
 
     /// Counts a hit of each breakpoint there; the number of the first one that stops the run.
-    fn hit(&mut self, is_there: impl Fn(&Spot) -> bool) -> Option<u32> {
+    fn hit(&mut self, is_there: impl Fn(&BreakLocation) -> bool) -> Option<u32> {
         let mut stops = None;
         for set in self.list.iter_mut().filter(|set| is_there(&set.of.spot)) {
             set.hits = set.hits.saturating_add(1);
@@ -71,28 +71,28 @@ impl Breakpoints {
                 stops.get_or_insert(set.of.id);
             }
         }
-        let spent = |set: &Set| {
+        let spent = |set: &ArmedBreakpoint| {
             let stopped = set.hits > 0 && set.hits.is_multiple_of(set.of.count.max(1)) && is_there(&set.of.spot);
-            stopped && (set.of.once || matches!(set.of.spot, Spot::Time(_)))
+            stopped && (set.of.once || matches!(set.of.spot, BreakLocation::Time(_)))
         };
         self.list.retain(|set| !spent(set));
         stops
     }
 
     /// Why the run stops within a block, as an action of its channel.
-    pub(super) fn hit_by(&mut self, event: Event<'_>) -> Option<String> {
+    pub(super) fn hit_by(&mut self, event: StepEvent<'_>) -> Option<String> {
         if self.list.is_empty() {
             return None;
         }
         let id = self.hit(|spot| match (spot, event) {
-            (Spot::Wait(key), Event::Wait(wait, number)) => is_wait(key, (&wait.key, &wait.mark), number),
-            (Spot::Write(wanted), Event::Write(name, _)) => is_same(wanted, name),
+            (BreakLocation::Wait(key), StepEvent::Wait(wait, number)) => is_wait(key, (&wait.key, &wait.mark), number),
+            (BreakLocation::Write(wanted), StepEvent::Write(name, _)) => is_same(wanted, name),
             _ => false,
         })?;
         Some(match event {
-            Event::Wait(wait, _) => format!("reaches {} (breakpoint {id})", wait.key),
-            Event::Write(name, Some(value)) => format!("has written {name}={value} (breakpoint {id})"),
-            Event::Write(name, None) => format!("has written {name} (breakpoint {id})"),
+            StepEvent::Wait(wait, _) => format!("reaches {} (breakpoint {id})", wait.key),
+            StepEvent::Write(name, Some(value)) => format!("has written {name}={value} (breakpoint {id})"),
+            StepEvent::Write(name, None) => format!("has written {name} (breakpoint {id})"),
         })
     }
 
@@ -104,41 +104,41 @@ impl Breakpoints {
     /// Whether a breakpoint is at this line.
     pub(super) fn is_at(&self, place: SourcePlace, info: &Info) -> bool {
         self.list.iter().any(|set| match &set.of.spot {
-            Spot::Line { file, line } => *line == place.line && is_file(file, info.file_name(place.file)),
+            BreakLocation::Line { file, line } => *line == place.line && is_file(file, info.file_name(place.file)),
             _ => false,
         })
     }
 
     /// Whether a breakpoint is before this block, which may or may not stop the run.
-    pub(super) fn may_stop_before(&self, seen: &Seen, info: &Info) -> bool {
+    pub(super) fn may_stop_before(&self, seen: &KernelSnapshot, info: &Info) -> bool {
         self.list.iter().any(|set| match &set.of.spot {
-            Spot::Line { file, line } => *line == seen.line && is_file(file, info.file_name(seen.file)),
-            Spot::Time(ns) => seen.t_ns >= *ns,
-            Spot::Wait(_) | Spot::Write(_) => false,
+            BreakLocation::Line { file, line } => *line == seen.line && is_file(file, info.file_name(seen.file)),
+            BreakLocation::Time(ns) => seen.t_ns >= *ns,
+            BreakLocation::Wait(_) | BreakLocation::Write(_) => false,
         })
     }
 
     /// Why the run stops before a block, as an action of its channel.
-    pub(super) fn hit_before(&mut self, seen: &Seen, info: &Info) -> Option<String> {
+    pub(super) fn hit_before(&mut self, seen: &KernelSnapshot, info: &Info) -> Option<String> {
         if self.list.is_empty() {
             return None;
         }
         let file = info.file_name(seen.file);
         let id = self.hit(|spot| match spot {
-            Spot::Line { file: wanted, line } => *line == seen.line && is_file(wanted, file),
-            Spot::Time(ns) => seen.t_ns >= *ns,
-            Spot::Wait(_) | Spot::Write(_) => false,
+            BreakLocation::Line { file: wanted, line } => *line == seen.line && is_file(wanted, file),
+            BreakLocation::Time(ns) => seen.t_ns >= *ns,
+            BreakLocation::Wait(_) | BreakLocation::Write(_) => false,
         })?;
         Some(format!("reaches {file}:{} (breakpoint {id})", seen.line))
     }
 }
 
 /// Whether a channel can reach a breakpoint.
-pub(super) fn may_hit(spot: &Spot, info: &Info, machine: &Machine) -> Result<(), String> {
+pub(super) fn may_hit(spot: &BreakLocation, info: &Info, machine: &Machine) -> Result<(), String> {
     match spot {
-        Spot::Line { file, line } => may_come(file, *line, info, machine),
-        Spot::Write(name) => may_write(name.trim(), info, machine),
-        Spot::Wait(_) | Spot::Time(_) => Ok(()),
+        BreakLocation::Line { file, line } => may_come(file, *line, info, machine),
+        BreakLocation::Write(name) => may_write(name.trim(), info, machine),
+        BreakLocation::Wait(_) | BreakLocation::Time(_) => Ok(()),
     }
 }
 
@@ -242,7 +242,7 @@ mod tests {
     use super::*;
 
     fn wait(key: &str) -> Breakpoint {
-        Breakpoint { id: 0, spot: Spot::Wait(key.into()), count: 0, once: false }
+        Breakpoint { id: 0, spot: BreakLocation::Wait(key.into()), count: 0, once: false }
     }
 
     #[test]
@@ -268,16 +268,17 @@ mod tests {
         let mut set = Breakpoints::default();
         assert_eq!(set.add(Breakpoint { count: 2, once: true, ..wait("") }, |_| Ok(())).unwrap().id, 1);
         assert_eq!(set.add(wait("102"), |_| Ok(())).unwrap().id, 2);
-        assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), None);
-        assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), Some(1));
+        assert_eq!(set.hit(|spot| matches!(spot, BreakLocation::Wait(key) if key.is_empty())), None);
+        assert_eq!(set.hit(|spot| matches!(spot, BreakLocation::Wait(key) if key.is_empty())), Some(1));
         assert_eq!(set.all().len(), 1, "the first one is spent");
         assert_eq!(set.hit(|_| true), Some(2));
         assert_eq!(set.remove(1), Err("there is no breakpoint 1".to_owned()));
         assert_eq!(set.remove(0), Ok(()));
         assert_eq!(set.hit(|_| true), None);
-        assert!(set.add(Breakpoint { spot: Spot::Write(" ".into()), ..wait("") }, |_| Ok(())).is_err());
+        assert!(set.add(Breakpoint { spot: BreakLocation::Write(" ".into()), ..wait("") }, |_| Ok(())).is_err());
         assert!(
-            set.add(Breakpoint { spot: Spot::Line { file: String::new(), line: 0 }, ..wait("") }, |_| Ok(())).is_err()
+            set.add(Breakpoint { spot: BreakLocation::Line { file: String::new(), line: 0 }, ..wait("") }, |_| Ok(()))
+                .is_err()
         );
     }
 }

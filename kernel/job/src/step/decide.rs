@@ -4,13 +4,13 @@
 //! clock.
 
 use counterpoint_event::info::Info;
-use counterpoint_ports::step::{Go, Seen};
+use counterpoint_ports::step::{Go, KernelSnapshot};
 
-use super::{Candidate, Channel, State};
+use super::{KernelCandidate, StepState, SteppedChannel};
 
 /// The request of the operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Goal {
+pub(super) enum StepGoal {
     /// The run is paused.
     Stand,
     /// To run until a breakpoint or the end.
@@ -28,7 +28,7 @@ pub(super) enum Goal {
     All,
 }
 
-impl Channel {
+impl SteppedChannel {
     /// Whether a block at this level counts for a step: not if it is inside a call that the step goes over or out of.
     fn counts(&self, level: u32) -> bool {
         self.deepest.is_none_or(|deepest| level <= deepest)
@@ -51,43 +51,43 @@ pub(super) enum Decision {
 
 /// Where the kernels are.
 pub(super) struct Standing<'k> {
-    pub(super) kernels: &'k [Candidate],
+    pub(super) kernels: &'k [KernelCandidate],
     /// Whether a channel is at a wait.
     pub(super) waits: &'k dyn Fn(u16) -> bool,
 }
 
 /// Of the kernels that have work and may run, the one that is furthest behind. A kernel that is too far ahead comes
 /// last.
-pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) -> Option<usize> {
+pub(super) fn furthest_behind(kernels: &[KernelCandidate], may: impl Fn(u16) -> bool) -> Option<usize> {
     let able = kernels.iter().enumerate().filter(|(_, kernel)| kernel.ready && may(kernel.channel));
     able.min_by_key(|(_, kernel)| (kernel.far_ahead, kernel.bound, kernel.channel)).map(|(at, _)| at)
 }
 
 /// Whether the start of a block of a channel counts for the goal, and counts it. `first`: no other channel is further
 /// behind.
-fn passed(goal: &mut Goal, channel: &Channel, level: u32, first: bool) -> bool {
+fn passed(goal: &mut StepGoal, channel: &SteppedChannel, level: u32, first: bool) -> bool {
     match goal {
-        Goal::Free => first,
-        Goal::One { channel: wanted, .. } if *wanted == channel.number && !channel.counts(level) => true,
-        Goal::All | Goal::Next(_) if !channel.counts(level) => first,
-        Goal::Next(blocks) if first && *blocks > 0 => {
+        StepGoal::Free => first,
+        StepGoal::One { channel: wanted, .. } if *wanted == channel.number && !channel.counts(level) => true,
+        StepGoal::All | StepGoal::Next(_) if !channel.counts(level) => first,
+        StepGoal::Next(blocks) if first && *blocks > 0 => {
             *blocks -= 1;
             true
         }
-        Goal::One { channel: wanted, blocks, .. } if *wanted == channel.number && *blocks > 0 => {
+        StepGoal::One { channel: wanted, blocks, .. } if *wanted == channel.number && *blocks > 0 => {
             *blocks -= 1;
             true
         }
-        Goal::All => first && channel.left > 0,
+        StepGoal::All => first && channel.left > 0,
         _ => false,
     }
 }
 
-impl State {
+impl StepState {
     /// Whether the channel may begin a block, or is within one.
     fn may(&self, number: u16) -> bool {
         let Some(channel) = self.channels.iter().find(|channel| channel.number == number) else { return true };
-        let done = self.goal == Goal::All && channel.left == 0 && channel.counts_here();
+        let done = self.goal == StepGoal::All && channel.left == 0 && channel.counts_here();
         let held = channel.held && !channel.reset || done;
         !(channel.at_block && held)
     }
@@ -99,7 +99,7 @@ impl State {
         }
         let kernels = standing.kernels;
         let mut chosen = None;
-        if let Goal::One { channel, stood, .. } = self.goal {
+        if let StepGoal::One { channel, stood, .. } = self.goal {
             let Some(at) = kernels.iter().position(|kernel| kernel.channel == channel) else {
                 return Decision::Stop(channel, format!("channel {channel} has ended"));
             };
@@ -110,13 +110,13 @@ impl State {
             chosen = kernel.filter(|kernel| self.may(kernel.channel)).map(|_| at);
         }
         let Some(at) = chosen.or_else(|| furthest_behind(kernels, |channel| self.may(channel))) else {
-            let reason = if self.goal == Goal::All { "step" } else { "no channel can continue" };
+            let reason = if self.goal == StepGoal::All { "step" } else { "no channel can continue" };
             return Decision::Stop(0, self.with_holds(reason));
         };
         let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };
         // A channel that is too far ahead continues when the others catch up; held channels and those whose step is
         // complete do not.
-        let limited = self.goal == Goal::All || self.channels.iter().any(|one| one.held);
+        let limited = self.goal == StepGoal::All || self.channels.iter().any(|one| one.held);
         if kernel.far_ahead && limited && self.ahead == Some(kernel.channel) {
             self.ahead = None;
             let reason = format!("channel {} cannot run further ahead of the others", kernel.channel);
@@ -150,8 +150,8 @@ impl State {
         }
         let counts = channel.counts_here();
         match self.goal {
-            Goal::Next(0) if counts => Some("step".to_owned()),
-            Goal::One { channel, blocks: 0, .. } if channel == number && counts => Some("step".to_owned()),
+            StepGoal::Next(0) if counts => Some("step".to_owned()),
+            StepGoal::One { channel, blocks: 0, .. } if channel == number && counts => Some("step".to_owned()),
             _ => None,
         }
     }
@@ -160,7 +160,7 @@ impl State {
     /// [`goes`](Self::goes) would come to that.
     pub(super) fn stands(
         &mut self,
-        place: &Seen,
+        place: &KernelSnapshot,
         (first, news): (bool, bool),
         info: &Info,
         (writes, variables): (u64, &dyn Fn() -> Vec<(u32, f64)>),
@@ -192,8 +192,8 @@ impl State {
         let Some(channel) = self.channels.iter_mut().find(|channel| channel.number == number) else { return Go::On };
         let counted = u32::from(channel.counts_here());
         match &mut self.goal {
-            Goal::Next(blocks) => *blocks = blocks.saturating_sub(counted),
-            Goal::One { channel, blocks, .. } if *channel == number => *blocks = blocks.saturating_sub(counted),
+            StepGoal::Next(blocks) => *blocks = blocks.saturating_sub(counted),
+            StepGoal::One { channel, blocks, .. } if *channel == number => *blocks = blocks.saturating_sub(counted),
             _ => {}
         }
         channel.at_block = false;

@@ -16,16 +16,18 @@ use std::time::Duration;
 use breakpoints::Breakpoints;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
-use counterpoint_ports::control::{Control, State as Doing};
-use counterpoint_ports::step::{Command, Common, Console, Event, Go, Heard, Said, Seen, StepCalls, Stepper, Whom};
-use decide::{Decision, Goal, Standing};
+use counterpoint_ports::control::{ChannelActivity as Doing, JobControl};
+use counterpoint_ports::step::{
+    Common, Console, Go, Heard, KernelSnapshot, StepCalls, StepCommand, StepEvent, StepReply, Stepper, Whom,
+};
+use decide::{Decision, Standing, StepGoal};
 
 /// Between two looks at whether the job is to end.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A kernel that has not ended, as the scheduler sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Candidate {
+pub(crate) struct KernelCandidate {
     pub(crate) channel: u16,
     /// It has something to do.
     pub(crate) ready: bool,
@@ -38,18 +40,18 @@ pub(crate) struct Candidate {
 /// Chooses the kernel that continues, as the operator commands.
 pub(crate) struct Director<'a> {
     console: &'a dyn Console,
-    control: &'a Control,
+    control: &'a JobControl,
     info: &'a Info,
     machine: &'a Machine,
-    state: Mutex<State>,
+    state: Mutex<StepState>,
 }
 
 /// A channel.
 #[derive(Debug, Default)]
-struct Channel {
+struct SteppedChannel {
     number: u16,
     /// Where it was seen last.
-    seen: Option<Seen>,
+    seen: Option<KernelSnapshot>,
     /// It is before the block where it was seen; otherwise the block is in progress.
     at_block: bool,
     /// The breakpoints at that block have been looked at.
@@ -67,9 +69,9 @@ struct Channel {
 }
 
 /// State on which decisions are based.
-struct State {
-    channels: Vec<Channel>,
-    goal: Goal,
+struct StepState {
+    channels: Vec<SteppedChannel>,
+    goal: StepGoal,
     breakpoints: Breakpoints,
     /// The run stops at once: the channel that is the cause, and why.
     stop: Option<(u16, String)>,
@@ -79,13 +81,13 @@ struct State {
     detached: bool,
 }
 
-impl State {
-    fn channel(&mut self, number: u16) -> Option<&mut Channel> {
+impl StepState {
+    fn channel(&mut self, number: u16) -> Option<&mut SteppedChannel> {
         self.channels.iter_mut().find(|channel| channel.number == number)
     }
 
     /// The channels that a command for one (0: for all) is about.
-    fn these(&mut self, number: u16) -> impl Iterator<Item = &mut Channel> {
+    fn these(&mut self, number: u16) -> impl Iterator<Item = &mut SteppedChannel> {
         self.channels.iter_mut().filter(move |channel| number == 0 || channel.number == number)
     }
 }
@@ -94,13 +96,13 @@ impl<'a> Director<'a> {
     /// For a job that is before the first block of each channel.
     pub(crate) fn new(
         console: &'a dyn Console,
-        control: &'a Control,
+        control: &'a JobControl,
         (info, machine): (&'a Info, &'a Machine),
     ) -> Self {
-        let channel = |number| Channel { number, ..Channel::default() };
-        let state = State {
+        let channel = |number| SteppedChannel { number, ..SteppedChannel::default() };
+        let state = StepState {
             channels: info.channels.iter().map(|of| channel(of.number)).collect(),
-            goal: Goal::All,
+            goal: StepGoal::All,
             breakpoints: Breakpoints::default(),
             stop: None,
             ahead: None,
@@ -109,7 +111,7 @@ impl<'a> Director<'a> {
         Self { console, control, info, machine, state: Mutex::new(state) }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, StepState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -120,7 +122,7 @@ impl<'a> Director<'a> {
     }
 
     /// The kernel that continues; waits while the run is paused. `None`: none has anything to do.
-    pub(crate) fn next(&self, kernels: &[Candidate], common: &mut Common<'_>) -> Option<usize> {
+    pub(crate) fn next(&self, kernels: &[KernelCandidate], common: &mut Common<'_>) -> Option<usize> {
         loop {
             let mut state = self.lock();
             if state.detached || self.control.cancelled() {
@@ -148,10 +150,10 @@ impl<'a> Director<'a> {
     }
 
     /// Stops the run until a command lets it continue, the operator has left, or the job is to end.
-    fn stand(&self, state: &mut State, (channel, reason): (u16, String), common: &mut Common<'_>) {
-        state.goal = Goal::Stand;
-        self.console.say(Said::Stopped(self.report(state, (channel, &reason), common)));
-        while state.goal == Goal::Stand && !state.detached && !self.control.cancelled() {
+    fn stand(&self, state: &mut StepState, (channel, reason): (u16, String), common: &mut Common<'_>) {
+        state.goal = StepGoal::Stand;
+        self.console.say(StepReply::Stopped(self.report(state, (channel, &reason), common)));
+        while state.goal == StepGoal::Stand && !state.detached && !self.control.cancelled() {
             match self.console.wait(LOOK) {
                 Heard::Command(command) => self.obey(state, command, common),
                 Heard::Nothing => {}
@@ -160,54 +162,54 @@ impl<'a> Director<'a> {
         }
     }
 
-    fn detach(&self, state: &mut State) {
+    fn detach(&self, state: &mut StepState) {
         (state.detached, state.stop) = (true, None);
         self.control.end_steps();
     }
 
     /// Carries a command out and answers it.
-    fn obey(&self, state: &mut State, command: Command, common: &mut Common<'_>) {
+    fn obey(&self, state: &mut StepState, command: StepCommand, common: &mut Common<'_>) {
         let runs = command.runs();
         let answer = match self.carried_out(state, command) {
             Ok(Some(said)) => said,
             Ok(None) if runs || state.detached => return,
-            Ok(None) => Said::State(self.report(state, (0, ""), common)),
-            Err(refusal) => Said::Refused(refusal),
+            Ok(None) => StepReply::State(self.report(state, (0, ""), common)),
+            Err(refusal) => StepReply::Refused(refusal),
         };
         self.console.say(answer);
     }
 
-    fn carried_out(&self, state: &mut State, command: Command) -> Result<Option<Said>, String> {
-        if command.runs() && state.goal != Goal::Stand {
+    fn carried_out(&self, state: &mut StepState, command: StepCommand) -> Result<Option<StepReply>, String> {
+        if command.runs() && state.goal != StepGoal::Stand {
             return Err("the run has not stopped yet: pause it first".to_owned());
         }
         match command {
-            Command::Step { whom, blocks, calls: StepCalls::Out } => self.step_out(state, whom, blocks.max(1))?,
-            Command::Step { whom, blocks, calls } => {
+            StepCommand::Step { whom, blocks, calls: StepCalls::Out } => self.step_out(state, whom, blocks.max(1))?,
+            StepCommand::Step { whom, blocks, calls } => {
                 self.step(state, whom, blocks.max(1))?;
                 for channel in &mut state.channels {
                     let level = channel.seen.as_ref().map_or(0, |seen| seen.level);
                     channel.deepest = (calls == StepCalls::Over).then_some(level);
                 }
             }
-            Command::Continue => state.goal = Goal::Free,
-            Command::Pause if state.goal == Goal::Stand => {}
-            Command::Pause => state.stop = Some((0, "paused by the operator".to_owned())),
-            Command::Add(breakpoint) => {
-                return Ok(Some(Said::Added(
+            StepCommand::Continue => state.goal = StepGoal::Free,
+            StepCommand::Pause if state.goal == StepGoal::Stand => {}
+            StepCommand::Pause => state.stop = Some((0, "paused by the operator".to_owned())),
+            StepCommand::Add(breakpoint) => {
+                return Ok(Some(StepReply::Added(
                     state.breakpoints.add(breakpoint, |spot| breakpoints::may_hit(spot, self.info, self.machine))?,
                 )));
             }
-            Command::Remove(id) => state.breakpoints.remove(id)?,
-            Command::Hold(channel) => {
+            StepCommand::Remove(id) => state.breakpoints.remove(id)?,
+            StepCommand::Hold(channel) => {
                 self.known(channel)?;
                 state.these(channel).for_each(|channel| channel.held = true);
             }
-            Command::Resume(channel) => {
+            StepCommand::Resume(channel) => {
                 self.known(channel)?;
                 state.these(channel).for_each(|channel| channel.held = false);
             }
-            Command::Reset(channel) => {
+            StepCommand::Reset(channel) => {
                 if channel == 0 {
                     return Err("a reset is for one channel: reset 1".to_owned());
                 }
@@ -219,28 +221,28 @@ impl<'a> Director<'a> {
                 }
                 state.these(channel).for_each(|channel| channel.reset = true);
             }
-            Command::Show => {}
-            Command::Detach => self.detach(state),
+            StepCommand::Show => {}
+            StepCommand::Detach => self.detach(state),
         }
         Ok(None)
     }
 
     /// A block that is in progress is the first one of a step.
-    fn step(&self, state: &mut State, whom: Whom, blocks: u32) -> Result<(), String> {
-        let under_way = |channel: &Channel, waits: bool| {
+    fn step(&self, state: &mut StepState, whom: Whom, blocks: u32) -> Result<(), String> {
+        let under_way = |channel: &SteppedChannel, waits: bool| {
             let doing = self.doing(channel.number);
             channel.seen.is_some() && !channel.at_block && (doing == Doing::Running || waits && doing == Doing::Waiting)
         };
         state.goal = match whom {
             // At a breakpoint within a block.
             Whom::Next => {
-                Goal::Next(blocks - u32::from(state.channels.iter().any(|channel| under_way(channel, false))))
+                StepGoal::Next(blocks - u32::from(state.channels.iter().any(|channel| under_way(channel, false))))
             }
             Whom::All => {
                 for channel in &mut state.channels {
                     channel.left = blocks - u32::from(under_way(channel, true));
                 }
-                Goal::All
+                StepGoal::All
             }
             Whom::One(channel) => {
                 self.runs(channel)?;
@@ -249,17 +251,17 @@ impl<'a> Director<'a> {
                 }
                 let under_way = state.channel(channel).is_some_and(|channel| under_way(channel, true));
                 let blocks = blocks - u32::from(under_way);
-                Goal::One { channel, blocks, stood: self.doing(channel) == Doing::Waiting }
+                StepGoal::One { channel, blocks, stood: self.doing(channel) == Doing::Waiting }
             }
         };
         Ok(())
     }
 
     /// Runs the channels to the block after the return from this number of calls.
-    fn step_out(&self, state: &mut State, whom: Whom, calls: u32) -> Result<(), String> {
-        let inside = |channel: &Channel| channel.seen.as_ref().map_or(0, |seen| seen.level);
-        let runs = |channel: &Channel| matches!(self.doing(channel.number), Doing::Running | Doing::Waiting);
-        let meant = |channel: &Channel| match whom {
+    fn step_out(&self, state: &mut StepState, whom: Whom, calls: u32) -> Result<(), String> {
+        let inside = |channel: &SteppedChannel| channel.seen.as_ref().map_or(0, |seen| seen.level);
+        let runs = |channel: &SteppedChannel| matches!(self.doing(channel.number), Doing::Running | Doing::Waiting);
+        let meant = |channel: &SteppedChannel| match whom {
             Whom::One(number) => channel.number == number,
             Whom::Next | Whom::All => runs(channel) && inside(channel) > 0,
         };
@@ -285,7 +287,7 @@ impl<'a> Director<'a> {
             channel.left = 0;
             channel.deepest = inside(channel).checked_sub(calls).or(Some(0));
         }
-        if let Goal::One { blocks, .. } = &mut state.goal {
+        if let StepGoal::One { blocks, .. } = &mut state.goal {
             *blocks = 0;
         }
         Ok(())
@@ -314,7 +316,7 @@ impl<'a> Director<'a> {
 }
 
 impl Stepper for Director<'_> {
-    fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool {
+    fn stands(&self, place: &KernelSnapshot, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool {
         let news = self.console.has_news();
         self.lock().stands(place, (first, news), self.info, variables)
     }
@@ -329,7 +331,7 @@ impl Stepper for Director<'_> {
         !state.detached && !state.breakpoints.is_empty()
     }
 
-    fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool {
+    fn comes_to(&self, event: StepEvent<'_>, seen: &mut dyn FnMut() -> KernelSnapshot) -> bool {
         let mut state = self.lock();
         if state.detached {
             return false;
@@ -346,7 +348,7 @@ impl Stepper for Director<'_> {
 
     fn hold_alone(&self, channel: u16, common: &mut Common<'_>) {
         let bound = self.lock().channel(channel).and_then(|one| one.seen.as_ref()).map_or(0, |seen| seen.t_ns);
-        self.next(&[Candidate { channel, ready: true, far_ahead: false, bound }], common);
+        self.next(&[KernelCandidate { channel, ready: true, far_ahead: false, bound }], common);
     }
 
     fn goes(&self, channel: u16) -> Go {

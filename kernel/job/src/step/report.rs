@@ -1,16 +1,21 @@
 //! Reports the positions of everything to the operator.
 
 use counterpoint_event::info::{self, BLOCK_TEXT};
-use counterpoint_ports::control::State as Doing;
-use counterpoint_ports::dialog::answers::Value;
-use counterpoint_ports::step::{ChannelReport, Common, Report};
+use counterpoint_ports::control::ChannelActivity as Doing;
+use counterpoint_ports::dialog::answers::DialogValue;
+use counterpoint_ports::step::{ChannelReport, Common, StepReport};
 
-use super::{Channel, Director, State};
+use super::{Director, StepState, SteppedChannel};
 
 impl Director<'_> {
     /// Where everything is, and why the run is paused.
-    pub(super) fn report(&self, state: &State, (channel, reason): (u16, &str), common: &mut Common<'_>) -> Report {
-        Report {
+    pub(super) fn report(
+        &self,
+        state: &StepState,
+        (channel, reason): (u16, &str),
+        common: &mut Common<'_>,
+    ) -> StepReport {
+        StepReport {
             reason: reason.to_owned(),
             channel,
             channels: self.info.channels.iter().zip(&state.channels).map(|(of, one)| self.channel(of, one)).collect(),
@@ -19,7 +24,7 @@ impl Director<'_> {
         }
     }
 
-    fn channel(&self, of: &info::Channel, one: &Channel) -> ChannelReport {
+    fn channel(&self, of: &info::JobChannel, one: &SteppedChannel) -> ChannelReport {
         let index = self.info.channel_index(of.number);
         let progress = index.and_then(|index| self.control.progress().get(index));
         let state = progress.map_or(Doing::NotStarted, |now| now.state());
@@ -38,7 +43,7 @@ impl Director<'_> {
             in_block: !one.at_block && matches!(state, Doing::Running | Doing::Waiting),
             positions: axes.map(|(axis, value)| (axis.name.clone(), value)).collect(),
             words: seen.words,
-            variables: seen.variables.iter().map(|(n, value)| (format!("#{n}"), Value::Number(*value))).collect(),
+            variables: seen.variables.iter().map(|(n, value)| (format!("#{n}"), DialogValue::Number(*value))).collect(),
         }
     }
 }

@@ -1,27 +1,27 @@
 //! Commands for the control, kept as text.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::format::{Register, Registers, any, wildcard_text};
-use counterpoint_lang::host::{Blocks, Command};
-use counterpoint_lang::state::State;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::format::{FormatRegister, RegisterHost, any, wildcard_text};
+use counterpoint_lang::host::{CommandHost, HostCommand};
+use counterpoint_lang::state::MacroState;
+use counterpoint_lang::value::MacroValue;
 
 use super::Standalone;
-use crate::outside::Stream;
+use crate::outside::OutputStream;
 use crate::registers;
 
-impl Registers for Standalone {
+impl RegisterHost for Standalone {
     fn code_name(&self, code: u32) -> String {
         self.identifiers.name(code, "CODE_NONE")
     }
     fn register_name(&self, register: u32) -> String {
         self.identifiers.name(register, "REG_NONE")
     }
-    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+    fn register_text(&mut self, register: FormatRegister, value: Option<f64>, word: bool) -> Option<String> {
         let letter = match register {
-            Register::Letter(letter) => letter,
-            Register::Index(index) => registers::letter(Some(&Value::Real(f64::from(index))))?,
+            FormatRegister::Letter(letter) => letter,
+            FormatRegister::Index(index) => registers::letter(Some(&MacroValue::Real(f64::from(index))))?,
         };
         let text = wildcard_text(value.unwrap_or(0.0));
         Some(if word { format!("{letter}{text}") } else { text })
@@ -30,7 +30,7 @@ impl Registers for Standalone {
 
 impl Standalone {
     /// Takes a line; a fault that ends the whole run if the output accepts no more lines.
-    fn show(&mut self, state: &mut State, stream: Stream, text: &str) -> Outcome<i32> {
+    fn show(&mut self, state: &mut MacroState, stream: OutputStream, text: &str) -> Outcome<i32> {
         let Some(outside) = &mut self.outside else {
             self.output.printed.push(text.to_owned());
             return Ok(0);
@@ -40,18 +40,18 @@ impl Standalone {
     }
 
     /// Ends the whole run when the output accepts no more lines.
-    fn check_open(&self, state: &mut State) -> Outcome<i32> {
+    fn check_open(&self, state: &mut MacroState) -> Outcome<i32> {
         if !self.output.closed {
             return Ok(0);
         }
         state.ticks = 0;
-        Err(Fault::new(Number::TICKS, "the output is not read any more"))
+        Err(MacroFault::new(DiagnosticNumber::TICKS, "the output is not read any more"))
     }
 
     /// A command for the control as text.
-    fn command_text(&self, command: &Command<'_>) -> String {
+    fn command_text(&self, command: &HostCommand<'_>) -> String {
         let when = |now: &bool| if *now { "EXEC/NOW" } else { "EXEC/NEXT" };
-        let list = |values: &[Value]| {
+        let list = |values: &[MacroValue]| {
             let mut text = String::new();
             for value in values {
                 text.push(',');
@@ -60,38 +60,38 @@ impl Standalone {
             text
         };
         match command {
-            Command::Match(on) => format!("MATCH/{}", if *on { "ON" } else { "OFF" }),
-            Command::Output(values) => {
-                let values: Vec<Value> = values.iter().map(|(_, value)| value.clone()).collect();
+            HostCommand::Match(on) => format!("MATCH/{}", if *on { "ON" } else { "OFF" }),
+            HostCommand::Output(values) => {
+                let values: Vec<MacroValue> = values.iter().map(|(_, value)| value.clone()).collect();
                 format!("OUTPUT{}", list(&values))
             }
-            Command::ExecBlock(now, text) => format!("{},{text}", when(now)),
-            Command::ExecItems(now, values) => format!("{}{}", when(now), list(values)),
-            Command::TapeRead => "TAPERD".to_owned(),
-            Command::TapeWrite => "TAPEWT".to_owned(),
-            Command::Search(number) => format!("SEARCH/{number}"),
-            Command::SaveModal => "SAVMODAL".to_owned(),
-            Command::RestoreModal => "RSTMODAL".to_owned(),
-            Command::Listing(on) => format!("LPRINT/{}", if *on { "ON" } else { "OFF" }),
-            Command::Skip(lines) => format!("LPRINT/{lines}"),
-            Command::Print(text) | Command::System(text) => (*text).to_owned(),
-            Command::MatchAgain => String::new(),
+            HostCommand::ExecBlock(now, text) => format!("{},{text}", when(now)),
+            HostCommand::ExecItems(now, values) => format!("{}{}", when(now), list(values)),
+            HostCommand::TapeRead => "TAPERD".to_owned(),
+            HostCommand::TapeWrite => "TAPEWT".to_owned(),
+            HostCommand::Search(number) => format!("SEARCH/{number}"),
+            HostCommand::SaveModal => "SAVMODAL".to_owned(),
+            HostCommand::RestoreModal => "RSTMODAL".to_owned(),
+            HostCommand::Listing(on) => format!("LPRINT/{}", if *on { "ON" } else { "OFF" }),
+            HostCommand::Skip(lines) => format!("LPRINT/{lines}"),
+            HostCommand::Print(text) | HostCommand::System(text) => (*text).to_owned(),
+            HostCommand::MatchAgain => String::new(),
         }
     }
 }
 
-impl Blocks for Standalone {
-    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+impl CommandHost for Standalone {
+    fn command(&mut self, state: &mut MacroState, command: HostCommand<'_>) -> Outcome<i32> {
         self.check_open(state)?;
         match &command {
-            Command::Print(text) => return self.show(state, Stream::Printed, text),
-            Command::System(_) => {
-                return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
+            HostCommand::Print(text) => return self.show(state, OutputStream::Printed, text),
+            HostCommand::System(_) => {
+                return Err(MacroFault::new(DiagnosticNumber::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
             }
             // No command of the macro's own.
-            Command::MatchAgain => return Ok(0),
-            Command::TapeRead => self.program.read_block(&mut self.system, state),
-            Command::Search(number) => self.program.go_to(*number),
+            HostCommand::MatchAgain => return Ok(0),
+            HostCommand::TapeRead => self.program.read_block(&mut self.system, state),
+            HostCommand::Search(number) => self.program.go_to(*number),
             _ => {}
         }
         if self.outside.is_none() {

@@ -1,13 +1,13 @@
 //! Console, diagnostics and trace.
 
-use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::{Dialog, Step};
-use counterpoint_lang::state::State;
+use counterpoint_lang::diag::MacroDiagnostic;
+use counterpoint_lang::host::{ConsoleHost, TraceStep};
+use counterpoint_lang::state::MacroState;
 
 use super::Standalone;
-use crate::outside::Stream;
+use crate::outside::OutputStream;
 
-impl Dialog for Standalone {
+impl ConsoleHost for Standalone {
     fn read_console(&mut self) -> Option<String> {
         match &mut self.outside {
             Some(outside) => outside.console(),
@@ -18,13 +18,13 @@ impl Dialog for Standalone {
     fn write_console(&mut self, line: &str) {
         match &mut self.outside {
             Some(outside) => {
-                outside.line(Stream::Console, line);
+                outside.line(OutputStream::Console, line);
             }
             None => self.output.printed.push(line.to_owned()),
         }
     }
 
-    fn report(&mut self, _: &mut State, diagnostic: Diagnostic) {
+    fn report(&mut self, _: &mut MacroState, diagnostic: MacroDiagnostic) {
         let Some(diagnostic) = self.tables.changed(diagnostic).filter(|_| !self.output.closed) else { return };
         match &mut self.outside {
             Some(outside) => outside.report(&diagnostic),
@@ -36,11 +36,11 @@ impl Dialog for Standalone {
         self.tables.diagnostic(number)
     }
 
-    fn trace(&mut self, step: Step<'_>) {
+    fn trace(&mut self, step: TraceStep<'_>) {
         let line = step.to_string();
         match &mut self.outside {
             Some(_) if self.output.closed => {}
-            Some(outside) => self.output.closed = !outside.line(Stream::Traced, &line),
+            Some(outside) => self.output.closed = !outside.line(OutputStream::Traced, &line),
             None => self.output.traced.push(line),
         }
     }

@@ -1,13 +1,13 @@
 //! Files of macros.
 
-use counterpoint_lang::host::{Files, Folder, Shelf};
-use counterpoint_lang::state::State;
+use counterpoint_lang::host::{FileHost, MacroFolder, Shelf};
+use counterpoint_lang::state::MacroState;
 
 use super::Standalone;
 
 impl Standalone {
     /// Runs an operation on the folder of the run and its files.
-    pub(super) fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
+    pub(super) fn with_files<R>(&mut self, work: impl FnOnce(&mut MacroFolder, &mut dyn Shelf) -> R) -> R {
         self.disk.with(self.outside.as_mut(), work)
     }
 
@@ -18,12 +18,12 @@ impl Standalone {
 
     /// Removes the temporary files of the run.
     pub fn clean(&mut self) {
-        self.with_files(Folder::clean);
+        self.with_files(MacroFolder::clean);
     }
 }
 
-impl Files for Standalone {
-    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+impl FileHost for Standalone {
+    fn may_open(&mut self, state: &mut MacroState, path: &str) -> i32 {
         self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 

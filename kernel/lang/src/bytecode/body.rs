@@ -5,7 +5,7 @@
 
 use super::fast::{Fast, Near};
 use super::{Slot, Target};
-use crate::value::Kind;
+use crate::value::ValueType;
 
 /// Code that a call runs instead of the function.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct Body {
     /// Short forms of the function, each at its place in the function, with registers of the caller.
     pub forms: Vec<Fast>,
     /// Registers of arguments that must be of a type.
-    pub typed: Vec<(Near, Kind)>,
+    pub typed: Vec<(Near, ValueType)>,
     /// Registers of parameters that the function changes, and those of their arguments.
     pub copied: Vec<(Near, Near)>,
     /// Registers of variables that are unset at the beginning.
@@ -25,14 +25,14 @@ pub struct Body {
     /// The result.
     pub result: Near,
     /// Its type.
-    pub kind: Option<Kind>,
+    pub kind: Option<ValueType>,
     /// It may be read or given before it is set: it begins as `$NULL`.
     pub is_null_first: bool,
 }
 
 /// The effect of a form on registers, and where it continues.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effect {
+pub struct FormEffect {
     /// Registers that it reads.
     pub reads: [Option<Near>; 4],
     /// The register that it writes.
@@ -49,8 +49,8 @@ impl Fast {
     /// The form with other registers and its effect on them; none for a form that touches more than registers, or whose
     /// registers are in a list.
     #[must_use]
-    pub fn moved(self, of: &mut dyn FnMut(Near) -> Option<Near>) -> Option<(Fast, Effect)> {
-        let mut effect = Effect { length: 1, falls: true, ..Effect::default() };
+    pub fn moved(self, of: &mut dyn FnMut(Near) -> Option<Near>) -> Option<(Fast, FormEffect)> {
+        let mut effect = FormEffect { length: 1, falls: true, ..FormEffect::default() };
         macro_rules! reads {
             ($register:expr) => {{
                 if let Some(place) = effect.reads.iter_mut().find(|place| place.is_none()) {

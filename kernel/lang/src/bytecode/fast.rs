@@ -6,7 +6,7 @@
 //! shared variable from its home, a register that holds it while short forms run.
 
 use super::{Relation, Target};
-use crate::value::Kind;
+use crate::value::ValueType;
 
 /// Registers that a short form can name.
 pub const WINDOW: usize = 256;
@@ -34,7 +34,7 @@ pub enum Fast {
     MoveTyped {
         to: Near,
         a: Near,
-        kind: Kind,
+        kind: ValueType,
     },
     /// Reads a shared variable.
     Read {
@@ -59,7 +59,7 @@ pub enum Fast {
         home: Near,
         shared: u8,
         a: Near,
-        kind: Kind,
+        kind: ValueType,
     },
     Negate {
         to: Near,
@@ -135,8 +135,8 @@ pub enum Fast {
     },
     /// An operation of `a` and `b`, then one of the result and `c`.
     Two {
-        first: Then,
-        then: Then,
+        first: FusedOperator,
+        then: FusedOperator,
         to: Near,
         a: Near,
         b: Near,
@@ -163,7 +163,7 @@ pub enum Fast {
     },
     /// An element and `c`.
     ElementThen {
-        then: Then,
+        then: FusedOperator,
         to: Near,
         array: Near,
         index: Near,
@@ -176,7 +176,7 @@ pub enum Fast {
     },
     /// An element and `c`, back into the element.
     Update {
-        then: Then,
+        then: FusedOperator,
         array: Near,
         index: Near,
         c: Near,
@@ -202,7 +202,7 @@ pub enum Fast {
     },
     /// [`Fast::Update`] with two indices.
     UpdateCell {
-        then: Then,
+        then: FusedOperator,
         array: Near,
         row: Near,
         column: Near,
@@ -240,7 +240,7 @@ pub enum Fast {
         list: u16,
     },
     /// Calls a small function, whose forms run in registers of the caller: position in
-    /// [`Short::bodies`](super::Short::bodies).
+    /// [`ShortForms::bodies`](super::ShortForms::bodies).
     Inline {
         to: Near,
         body: u16,
@@ -322,7 +322,7 @@ pub enum Fast {
 /// An operation of a value and a second operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "they are named as the operators")]
-pub enum Then {
+pub enum FusedOperator {
     Add,
     Subtract,
     /// The value is subtracted from the operand.
@@ -333,18 +333,18 @@ pub enum Then {
     Under,
 }
 
-impl Then {
+impl FusedOperator {
     /// The result for a value and an operand.
     #[inline(always)]
     #[must_use]
     pub fn of(self, value: f64, operand: f64) -> f64 {
         match self {
-            Then::Add => value + operand,
-            Then::Subtract => value - operand,
-            Then::From => operand - value,
-            Then::Multiply => value * operand,
-            Then::Divide => value / operand,
-            Then::Under => operand / value,
+            FusedOperator::Add => value + operand,
+            FusedOperator::Subtract => value - operand,
+            FusedOperator::From => operand - value,
+            FusedOperator::Multiply => value * operand,
+            FusedOperator::Divide => value / operand,
+            FusedOperator::Under => operand / value,
         }
     }
 }

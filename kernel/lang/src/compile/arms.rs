@@ -1,14 +1,14 @@
 //! Branches of IF and CASE, of which one at most is executed: the same name may be declared in several of them.
 
-use crate::ast::{Block, Scope, Statement, StatementKind};
-use crate::value::Kind;
+use crate::ast::{CompoundStatement, MacroStatement, MacroVariableScope, StatementKind};
+use crate::value::ValueType;
 use rustc_hash::FxHashMap;
 
 /// Blocks around a statement, outermost first, each with the number of its branch.
 type Path = Vec<(u32, u32)>;
 
 /// The data of a declaration about a name beside its sizes and its first value.
-pub(super) type Said = (Scope, Option<Kind>, usize, bool);
+pub(super) type Said = (MacroVariableScope, Option<ValueType>, usize, bool);
 
 /// Walks over the statements of a macro and remembers the declarations with their places.
 #[derive(Default)]
@@ -20,7 +20,7 @@ pub(super) struct Arms {
 
 impl Arms {
     /// Takes note of a statement, in the order of the macro.
-    pub(super) fn pass(&mut self, statement: &Statement) {
+    pub(super) fn pass(&mut self, statement: &MacroStatement) {
         match &statement.kind {
             StatementKind::If(_) | StatementKind::Case(_) => {
                 self.blocks += 1;
@@ -31,7 +31,7 @@ impl Arms {
                     *branch += 1;
                 }
             }
-            StatementKind::EndOf(Block::If | Block::Case) => {
+            StatementKind::EndOf(CompoundStatement::If | CompoundStatement::Case) => {
                 self.path.pop();
             }
             _ => {}

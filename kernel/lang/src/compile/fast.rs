@@ -3,19 +3,19 @@
 //! *Invariant:* a form that leaves out the store into a temporary register is only chosen when nothing after it in the
 //! statement reads that register; temporaries do not live longer than their statement.
 
-use crate::bytecode::fast::{Fast, Near, Then};
-use crate::bytecode::{Code, Op, Relation, Slot};
-use crate::func::Way;
-use crate::value::Kind;
+use crate::bytecode::fast::{Fast, FusedOperator, Near};
+use crate::bytecode::{CompiledMacro, Instruction, Relation, Slot};
+use crate::func::EvaluationMethod;
+use crate::value::ValueType;
 
 /// The short form of every instruction of `code`.
-pub(super) fn forms(code: &Code, temporaries: &[Slot]) -> Vec<Fast> {
+pub(super) fn forms(code: &CompiledMacro, temporaries: &[Slot]) -> Vec<Fast> {
     let finder = Finder { code, temporaries };
     (0..code.ops.len()).map(|at| finder.form(at).unwrap_or_default()).collect()
 }
 
 struct Finder<'a> {
-    code: &'a Code,
+    code: &'a CompiledMacro,
     temporaries: &'a [Slot],
 }
 
@@ -24,14 +24,14 @@ const HOMES: u8 = 64;
 
 /// An element of an array: register and one or two indices.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct ArrayElement {
     array: Near,
     indices: (Near, Option<Near>),
 }
 
 /// Two operands, the operation and the destination.
 struct Arithmetic {
-    operation: Then,
+    operation: FusedOperator,
     to: Slot,
     a: Slot,
     b: Slot,
@@ -41,13 +41,13 @@ fn near(slot: Slot) -> Option<Near> {
     Near::try_from(slot).ok()
 }
 
-fn arithmetic(op: Op) -> Option<Arithmetic> {
+fn arithmetic(op: Instruction) -> Option<Arithmetic> {
     let (operation, to, a, b) = match op {
-        Op::Add { to, a, b } => (Then::Add, to, a, b),
-        Op::AddTo { to, a } => (Then::Add, to, to, a),
-        Op::Subtract { to, a, b } => (Then::Subtract, to, a, b),
-        Op::Multiply { to, a, b } => (Then::Multiply, to, a, b),
-        Op::Divide { to, a, b } => (Then::Divide, to, a, b),
+        Instruction::Add { to, a, b } => (FusedOperator::Add, to, a, b),
+        Instruction::AddTo { to, a } => (FusedOperator::Add, to, to, a),
+        Instruction::Subtract { to, a, b } => (FusedOperator::Subtract, to, a, b),
+        Instruction::Multiply { to, a, b } => (FusedOperator::Multiply, to, a, b),
+        Instruction::Divide { to, a, b } => (FusedOperator::Divide, to, a, b),
         _ => return None,
     };
     Some(Arithmetic { operation, to, a, b })
@@ -55,11 +55,11 @@ fn arithmetic(op: Op) -> Option<Arithmetic> {
 
 impl Arithmetic {
     /// The operation as one of the value in `slot` and the other operand.
-    fn with(&self, slot: Slot) -> Option<(Then, Slot)> {
+    fn with(&self, slot: Slot) -> Option<(FusedOperator, Slot)> {
         match (self.a == slot, self.b == slot, self.operation) {
             (true, false, operation) => Some((operation, self.b)),
-            (false, true, Then::Subtract) => Some((Then::From, self.a)),
-            (false, true, Then::Divide) => Some((Then::Under, self.a)),
+            (false, true, FusedOperator::Subtract) => Some((FusedOperator::From, self.a)),
+            (false, true, FusedOperator::Divide) => Some((FusedOperator::Under, self.a)),
             (false, true, operation) => Some((operation, self.a)),
             _ => None,
         }
@@ -67,7 +67,7 @@ impl Arithmetic {
 }
 
 impl Finder<'_> {
-    fn op(&self, at: usize) -> Option<Op> {
+    fn op(&self, at: usize) -> Option<Instruction> {
         self.code.ops.get(at).copied()
     }
 
@@ -96,49 +96,57 @@ impl Finder<'_> {
             .is_some_and(|one| one.sizes.contains(&slot) || one.value == Some(slot))
     }
 
-    fn reads(&self, op: Op, slot: Slot) -> bool {
+    fn reads(&self, op: Instruction, slot: Slot) -> bool {
         match op {
-            Op::Move { a, .. }
-            | Op::Typed { a, .. }
-            | Op::Negate { a, .. }
-            | Op::Number { a, .. }
-            | Op::Not { a, .. }
-            | Op::Truth { a, .. }
-            | Op::JumpIf { a, .. }
-            | Op::JumpUnless { a, .. }
-            | Op::WriteShared { a, .. }
-            | Op::Math { a, .. } => a == slot,
-            Op::Add { a, b, .. }
-            | Op::Subtract { a, b, .. }
-            | Op::Multiply { a, b, .. }
-            | Op::Divide { a, b, .. }
-            | Op::Power { a, b, .. }
-            | Op::Join { a, b, .. }
-            | Op::Xor { a, b, .. }
-            | Op::Compare { a, b, .. }
-            | Op::JumpUnlessCompare { a, b, .. }
-            | Op::JumpIfWhen { a, b, .. } => a == slot || b == slot,
-            Op::AddTo { to, a } => to == slot || a == slot,
-            Op::JumpIfThru { a, low, .. } => a == slot || low == slot || low + 1 == slot,
-            Op::DoStart { variable, end, .. } | Op::DoNext { variable, end, .. } => {
+            Instruction::Move { a, .. }
+            | Instruction::Typed { a, .. }
+            | Instruction::Negate { a, .. }
+            | Instruction::Number { a, .. }
+            | Instruction::Not { a, .. }
+            | Instruction::Truth { a, .. }
+            | Instruction::JumpIf { a, .. }
+            | Instruction::JumpUnless { a, .. }
+            | Instruction::WriteShared { a, .. }
+            | Instruction::Math { a, .. } => a == slot,
+            Instruction::Add { a, b, .. }
+            | Instruction::Subtract { a, b, .. }
+            | Instruction::Multiply { a, b, .. }
+            | Instruction::Divide { a, b, .. }
+            | Instruction::Power { a, b, .. }
+            | Instruction::Join { a, b, .. }
+            | Instruction::Xor { a, b, .. }
+            | Instruction::Compare { a, b, .. }
+            | Instruction::JumpUnlessCompare { a, b, .. }
+            | Instruction::JumpIfWhen { a, b, .. } => a == slot || b == slot,
+            Instruction::AddTo { to, a } => to == slot || a == slot,
+            Instruction::JumpIfThru { a, low, .. } => a == slot || low == slot || low + 1 == slot,
+            Instruction::DoStart { variable, end, .. } | Instruction::DoNext { variable, end, .. } => {
                 variable == slot || end == slot || end + 1 == slot
             }
-            Op::Element { a, index, .. } => a == slot || index == slot,
-            Op::SetElement { to, index, a } => to == slot || index == slot || a == slot,
-            Op::Elements { a, list, .. } | Op::Range { a, list, .. } => a == slot || self.listed(list, slot),
-            Op::SetElements { to, list, a } => to == slot || a == slot || self.listed(list, slot),
-            Op::SetSharedElements { list, a, .. } | Op::WriteSystem { list, a, .. } => {
+            Instruction::Element { a, index, .. } => a == slot || index == slot,
+            Instruction::SetElement { to, index, a } => to == slot || index == slot || a == slot,
+            Instruction::Elements { a, list, .. } | Instruction::Range { a, list, .. } => {
                 a == slot || self.listed(list, slot)
             }
-            Op::Sequence { list, .. }
-            | Op::SharedElements { list, .. }
-            | Op::ReadSystem { list, .. }
-            | Op::Call { list, .. }
-            | Op::CallMacro { list, .. }
-            | Op::Command { list, .. }
-            | Op::Read { list, .. } => self.listed(list, slot),
-            Op::Declare { declaration, .. } | Op::DeclareShared { declaration, .. } => self.declared(declaration, slot),
-            Op::Jump { .. } | Op::ReadShared { .. } | Op::ReadOwn { .. } | Op::Trace { .. } | Op::Return => false,
+            Instruction::SetElements { to, list, a } => to == slot || a == slot || self.listed(list, slot),
+            Instruction::SetSharedElements { list, a, .. } | Instruction::WriteSystem { list, a, .. } => {
+                a == slot || self.listed(list, slot)
+            }
+            Instruction::Sequence { list, .. }
+            | Instruction::SharedElements { list, .. }
+            | Instruction::ReadSystem { list, .. }
+            | Instruction::Call { list, .. }
+            | Instruction::CallMacro { list, .. }
+            | Instruction::Command { list, .. }
+            | Instruction::Read { list, .. } => self.listed(list, slot),
+            Instruction::Declare { declaration, .. } | Instruction::DeclareShared { declaration, .. } => {
+                self.declared(declaration, slot)
+            }
+            Instruction::Jump { .. }
+            | Instruction::ReadShared { .. }
+            | Instruction::ReadOwn { .. }
+            | Instruction::Trace { .. }
+            | Instruction::Return => false,
         }
     }
 
@@ -158,25 +166,25 @@ impl Finder<'_> {
     }
 
     /// The element that an instruction reads, and where it goes.
-    fn element_read(&self, op: Op) -> Option<(Slot, Place)> {
+    fn element_read(&self, op: Instruction) -> Option<(Slot, ArrayElement)> {
         let (to, array, indices) = match op {
-            Op::Element { to, a, index } => (to, near(a)?, (near(index)?, None)),
-            Op::Elements { to, a, list } => (to, near(a)?, self.indices(list)?),
-            Op::SharedElements { to, shared, list } => (to, self.home(shared)?.0, self.indices(list)?),
+            Instruction::Element { to, a, index } => (to, near(a)?, (near(index)?, None)),
+            Instruction::Elements { to, a, list } => (to, near(a)?, self.indices(list)?),
+            Instruction::SharedElements { to, shared, list } => (to, self.home(shared)?.0, self.indices(list)?),
             _ => return None,
         };
-        Some((to, Place { array, indices }))
+        Some((to, ArrayElement { array, indices }))
     }
 
     /// The element that an instruction writes, and the register of the value.
-    fn element_written(&self, op: Op) -> Option<(Place, Slot)> {
+    fn element_written(&self, op: Instruction) -> Option<(ArrayElement, Slot)> {
         let (array, indices, a) = match op {
-            Op::SetElement { to, index, a } => (near(to)?, (near(index)?, None), a),
-            Op::SetElements { to, list, a } => (near(to)?, self.indices(list)?, a),
-            Op::SetSharedElements { shared, list, a } => (self.home(shared)?.0, self.indices(list)?, a),
+            Instruction::SetElement { to, index, a } => (near(to)?, (near(index)?, None), a),
+            Instruction::SetElements { to, list, a } => (near(to)?, self.indices(list)?, a),
+            Instruction::SetSharedElements { shared, list, a } => (self.home(shared)?.0, self.indices(list)?, a),
             _ => return None,
         };
-        Some((Place { array, indices }, a))
+        Some((ArrayElement { array, indices }, a))
     }
 
     /// `A(I)=A(I)+C` and `A(I)+=C`.
@@ -191,14 +199,16 @@ impl Finder<'_> {
         }
         let array = place.array;
         Some(match (place.indices, then) {
-            ((index, None), Then::Add) => Fast::UpdateAdd { array, index, c },
+            ((index, None), FusedOperator::Add) => Fast::UpdateAdd { array, index, c },
             ((index, None), then) => Fast::Update { then, array, index, c },
             ((row, Some(column)), then) => Fast::UpdateCell { then, array, row, column, c },
         })
     }
 
     fn element_then(&self, at: usize) -> Option<Fast> {
-        let (value, Place { array, indices: (index, None) }) = self.element_read(self.op(at)?)? else { return None };
+        let (value, ArrayElement { array, indices: (index, None) }) = self.element_read(self.op(at)?)? else {
+            return None;
+        };
         let step = arithmetic(self.op(at + 1)?)?;
         let (then, c) = step.with(value)?;
         if step.to != value && !self.dead(value, at + 2) {
@@ -209,8 +219,8 @@ impl Finder<'_> {
 
     /// `IF/A(I).EQ.B`.
     fn unless_element(&self, at: usize) -> Option<Fast> {
-        let (value, Place { array, indices }) = self.element_read(self.op(at)?)?;
-        let Op::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
+        let (value, ArrayElement { array, indices }) = self.element_read(self.op(at)?)?;
+        let Instruction::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
         if a != value || b == value || !self.dead(value, at + 2) {
             return None;
         }
@@ -223,8 +233,8 @@ impl Finder<'_> {
 
     /// `IF/V.EQ.B` of a shared variable.
     fn unless_shared(&self, at: usize) -> Option<Fast> {
-        let Op::ReadShared { to, shared } = self.op(at)? else { return None };
-        let Op::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
+        let Instruction::ReadShared { to, shared } = self.op(at)? else { return None };
+        let Instruction::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
         if a != to || b == to || !self.dead(to, at + 2) {
             return None;
         }
@@ -241,8 +251,8 @@ impl Finder<'_> {
         }
         let (to, a, b, c) = (near(second.to)?, near(first.a)?, near(first.b)?, near(c)?);
         Some(match (first.operation, then) {
-            (Then::Multiply, Then::Add) => Fast::MultiplyAdd { to, a, b, c },
-            (Then::Divide, Then::From) => Fast::DivideFrom { to, a, b, c },
+            (FusedOperator::Multiply, FusedOperator::Add) => Fast::MultiplyAdd { to, a, b, c },
+            (FusedOperator::Divide, FusedOperator::From) => Fast::DivideFrom { to, a, b, c },
             (first, then) => Fast::Two { first, then, to, a, b, c },
         })
     }
@@ -250,14 +260,14 @@ impl Finder<'_> {
     /// One element read or written.
     fn element(&self, at: usize) -> Option<Fast> {
         let op = self.op(at)?;
-        if let Some((to, Place { array, indices })) = self.element_read(op) {
+        if let Some((to, ArrayElement { array, indices })) = self.element_read(op) {
             let to = near(to)?;
             return Some(match indices {
                 (index, None) => Fast::Element { to, array, index },
                 (row, Some(column)) => Fast::Cell { to, array, row, column },
             });
         }
-        let (Place { array, indices }, a) = self.element_written(op)?;
+        let (ArrayElement { array, indices }, a) = self.element_written(op)?;
         let a = near(a)?;
         Some(match indices {
             (index, None) => Fast::SetElement { array, index, a },
@@ -267,49 +277,51 @@ impl Finder<'_> {
 
     fn single(&self, at: usize) -> Option<Fast> {
         Some(match self.op(at)? {
-            Op::Move { to, a } => Fast::Move { to: near(to)?, a: near(a)? },
-            Op::Typed { to, a, kind: Kind::Real } => Fast::MoveNumber { to: near(to)?, a: near(a)? },
-            Op::Typed { to, a, kind } => Fast::MoveTyped { to: near(to)?, a: near(a)?, kind },
-            Op::ReadShared { to, shared } => {
+            Instruction::Move { to, a } => Fast::Move { to: near(to)?, a: near(a)? },
+            Instruction::Typed { to, a, kind: ValueType::Real } => Fast::MoveNumber { to: near(to)?, a: near(a)? },
+            Instruction::Typed { to, a, kind } => Fast::MoveTyped { to: near(to)?, a: near(a)?, kind },
+            Instruction::ReadShared { to, shared } => {
                 let (home, shared) = self.home(shared)?;
                 Fast::Read { to: near(to)?, home, shared }
             }
-            Op::WriteShared { shared: place, a } => {
+            Instruction::WriteShared { shared: place, a } => {
                 let ((home, shared), a) = (self.home(place)?, near(a)?);
                 match self.code.shared.get(usize::from(place))?.1 {
-                    Some(Kind::Real) => Fast::WriteNumber { home, shared, a },
+                    Some(ValueType::Real) => Fast::WriteNumber { home, shared, a },
                     Some(kind) => Fast::WriteTyped { home, shared, a, kind },
                     None => Fast::Write { home, shared, a },
                 }
             }
-            Op::Power { to, a, b } => Fast::Power { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Join { to, a, b } => Fast::Join { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Not { to, a } => Fast::Not { to: near(to)?, a: near(a)? },
-            Op::Truth { to, a } => Fast::Truth { to: near(to)?, a: near(a)? },
-            Op::Compare { relation, to, a, b } => Fast::Compare { relation, to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Math { to, a, function } => Fast::Math { to: near(to)?, a: near(a)?, function },
-            Op::Sequence { to, list } => Fast::Sequence { to: near(to)?, list },
-            Op::JumpIfWhen { a, b, target } => Fast::IfWhen { a: near(a)?, b: near(b)?, target },
-            Op::JumpIfThru { a, low, target } => {
+            Instruction::Power { to, a, b } => Fast::Power { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::Join { to, a, b } => Fast::Join { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::Not { to, a } => Fast::Not { to: near(to)?, a: near(a)? },
+            Instruction::Truth { to, a } => Fast::Truth { to: near(to)?, a: near(a)? },
+            Instruction::Compare { relation, to, a, b } => {
+                Fast::Compare { relation, to: near(to)?, a: near(a)?, b: near(b)? }
+            }
+            Instruction::Math { to, a, function } => Fast::Math { to: near(to)?, a: near(a)?, function },
+            Instruction::Sequence { to, list } => Fast::Sequence { to: near(to)?, list },
+            Instruction::JumpIfWhen { a, b, target } => Fast::IfWhen { a: near(a)?, b: near(b)?, target },
+            Instruction::JumpIfThru { a, low, target } => {
                 Fast::IfThru { a: near(a)?, low: near(low)?, high: near(low + 1)?, target }
             }
-            Op::DoStart { variable, end, target } => {
+            Instruction::DoStart { variable, end, target } => {
                 Fast::DoStart { variable: near(variable)?, end: near(end)?, step: near(end + 1)?, target }
             }
-            Op::Negate { to, a } => Fast::Negate { to: near(to)?, a: near(a)? },
-            Op::Add { to, a, b } => Fast::Add { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Subtract { to, a, b } => Fast::Subtract { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Multiply { to, a, b } => Fast::Multiply { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::Divide { to, a, b } => Fast::Divide { to: near(to)?, a: near(a)?, b: near(b)? },
-            Op::AddTo { to, a } => Fast::AddTo { to: near(to)?, a: near(a)? },
-            Op::Call { to, function, list } => self.call(to, function, list)?,
-            Op::CallMacro { to, callee, list } => Fast::Call { to: near(to)?, callee, list },
-            Op::Return => Fast::Return,
-            Op::Jump { target } => Fast::Jump { target },
-            Op::JumpIf { a, target } => Fast::JumpIf { a: near(a)?, target },
-            Op::JumpUnless { a, target } => Fast::JumpUnless { a: near(a)?, target },
-            Op::JumpUnlessCompare { relation, a, b, target } => unless(relation, near(a)?, near(b)?, target),
-            Op::DoNext { variable, end, target } => {
+            Instruction::Negate { to, a } => Fast::Negate { to: near(to)?, a: near(a)? },
+            Instruction::Add { to, a, b } => Fast::Add { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::Subtract { to, a, b } => Fast::Subtract { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::Multiply { to, a, b } => Fast::Multiply { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::Divide { to, a, b } => Fast::Divide { to: near(to)?, a: near(a)?, b: near(b)? },
+            Instruction::AddTo { to, a } => Fast::AddTo { to: near(to)?, a: near(a)? },
+            Instruction::Call { to, function, list } => self.call(to, function, list)?,
+            Instruction::CallMacro { to, callee, list } => Fast::Call { to: near(to)?, callee, list },
+            Instruction::Return => Fast::Return,
+            Instruction::Jump { target } => Fast::Jump { target },
+            Instruction::JumpIf { a, target } => Fast::JumpIf { a: near(a)?, target },
+            Instruction::JumpUnless { a, target } => Fast::JumpUnless { a: near(a)?, target },
+            Instruction::JumpUnlessCompare { relation, a, b, target } => unless(relation, near(a)?, near(b)?, target),
+            Instruction::DoNext { variable, end, target } => {
                 Fast::DoNext { variable: near(variable)?, end: near(end)?, step: near(end + 1)?, target }
             }
             _ => return None,
@@ -320,7 +332,9 @@ impl Finder<'_> {
     fn call(&self, to: Slot, function: u16, list: u16) -> Option<Fast> {
         let way = &self.code.functions.get(usize::from(function))?.way;
         match (way, self.code.lists.get(usize::from(list))?.as_slice()) {
-            (Way::Pair(..), [a, b]) => Some(Fast::Pair { to: near(to)?, a: near(*a)?, b: near(*b)?, function }),
+            (EvaluationMethod::Pair(..), [a, b]) => {
+                Some(Fast::Pair { to: near(to)?, a: near(*a)?, b: near(*b)?, function })
+            }
             _ => None,
         }
     }

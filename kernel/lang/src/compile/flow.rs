@@ -1,16 +1,16 @@
 //! Blocks, loops and jumps.
 
 use super::MacroCompiler;
-use super::expression::Reach;
-use crate::ast::{Block, Expr, ExprKind, MAX_BLOCKS, When};
-use crate::bytecode::{Op, Slot};
-use crate::diag::Number;
+use super::expression::ResolvedVariable;
+use crate::ast::{CompoundStatement, Expr, ExprKind, MAX_BLOCKS, WhenItem};
+use crate::bytecode::{Instruction, Slot};
+use crate::diag::DiagnosticNumber;
 use crate::source::Span;
-use crate::value::{Kind, Value};
+use crate::value::{MacroValue, ValueType};
 
 /// An open block.
-pub(super) struct Open {
-    block: Block,
+pub(super) struct OpenBlock {
+    block: CompoundStatement,
     span: Span,
     /// Jumps to the next branch.
     next: Vec<usize>,
@@ -36,14 +36,14 @@ impl MacroCompiler<'_> {
 
     fn patch_to(&mut self, jump: usize, to: u16) {
         if let Some(
-            Op::Jump { target }
-            | Op::JumpIf { target, .. }
-            | Op::JumpUnless { target, .. }
-            | Op::JumpUnlessCompare { target, .. }
-            | Op::JumpIfWhen { target, .. }
-            | Op::JumpIfThru { target, .. }
-            | Op::DoStart { target, .. }
-            | Op::DoNext { target, .. },
+            Instruction::Jump { target }
+            | Instruction::JumpIf { target, .. }
+            | Instruction::JumpUnless { target, .. }
+            | Instruction::JumpUnlessCompare { target, .. }
+            | Instruction::JumpIfWhen { target, .. }
+            | Instruction::JumpIfThru { target, .. }
+            | Instruction::DoStart { target, .. }
+            | Instruction::DoNext { target, .. },
         ) = self.code.ops.get_mut(jump)
         {
             *target = to;
@@ -54,12 +54,16 @@ impl MacroCompiler<'_> {
         jumps.into_iter().for_each(|jump| self.patch(jump));
     }
 
-    fn open(&mut self, block: Block, set: impl FnOnce(&mut Open)) {
+    fn open(&mut self, block: CompoundStatement, set: impl FnOnce(&mut OpenBlock)) {
         if self.blocks.len() == MAX_BLOCKS {
-            self.error(self.place, Number::TOO_DEEP, format!("blocks are nested more than {MAX_BLOCKS} levels deep"));
+            self.error(
+                self.place,
+                DiagnosticNumber::TOO_DEEP,
+                format!("blocks are nested more than {MAX_BLOCKS} levels deep"),
+            );
         }
         let top = self.here();
-        let mut open = Open {
+        let mut open = OpenBlock {
             block,
             span: self.place,
             next: Vec::new(),
@@ -79,24 +83,24 @@ impl MacroCompiler<'_> {
         self.trace();
         let mut next = Vec::new();
         self.branch(condition, false, &mut next);
-        self.open(Block::If, |open| open.next = next);
+        self.open(CompoundStatement::If, |open| open.next = next);
     }
 
     /// Ends the running branch of an IF and begins the next one.
     fn next_branch(&mut self, what: &str) -> bool {
         let span = self.place;
         match self.blocks.last() {
-            Some(open) if open.block == Block::If && !open.last => {}
-            Some(open) if open.block == Block::If => {
-                self.error(span, Number::UNBALANCED, format!("{what} cannot follow the ELSE of its IF"));
+            Some(open) if open.block == CompoundStatement::If && !open.last => {}
+            Some(open) if open.block == CompoundStatement::If => {
+                self.error(span, DiagnosticNumber::UNBALANCED, format!("{what} cannot follow the ELSE of its IF"));
                 return false;
             }
             _ => {
-                self.error(span, Number::UNBALANCED, format!("{what} is outside of an IF"));
+                self.error(span, DiagnosticNumber::UNBALANCED, format!("{what} is outside of an IF"));
                 return false;
             }
         }
-        let jump = self.emit(Op::Jump { target: 0 });
+        let jump = self.emit(Instruction::Jump { target: 0 });
         let next = match self.blocks.last_mut() {
             Some(open) => {
                 open.ends.push(jump);
@@ -132,28 +136,28 @@ impl MacroCompiler<'_> {
         self.trace();
         let slot = self.slot();
         self.expression(value, Some(slot));
-        let skip = self.emit(Op::Jump { target: 0 });
-        self.open(Block::Case, |open| {
+        let skip = self.emit(Instruction::Jump { target: 0 });
+        self.open(CompoundStatement::Case, |open| {
             open.value = slot;
             open.next.push(skip);
         });
     }
 
-    pub(super) fn when(&mut self, items: &[When]) {
+    pub(super) fn when(&mut self, items: &[WhenItem]) {
         let span = self.place;
         let value = match self.blocks.last() {
-            Some(open) if open.block == Block::Case && !open.last => open.value,
-            Some(open) if open.block == Block::Case => {
-                self.error(span, Number::BAD_WHEN, "WHEN/OTHERS is the last branch of a CASE");
+            Some(open) if open.block == CompoundStatement::Case && !open.last => open.value,
+            Some(open) if open.block == CompoundStatement::Case => {
+                self.error(span, DiagnosticNumber::BAD_WHEN, "WHEN/OTHERS is the last branch of a CASE");
                 return;
             }
             _ => {
-                self.error(span, Number::UNBALANCED, "WHEN is outside of a CASE");
+                self.error(span, DiagnosticNumber::UNBALANCED, "WHEN is outside of a CASE");
                 return;
             }
         };
         let first = self.blocks.last().is_some_and(|open| open.branches == 0);
-        let end = if first { None } else { Some(self.emit(Op::Jump { target: 0 })) };
+        let end = if first { None } else { Some(self.emit(Instruction::Jump { target: 0 })) };
         let next = match self.blocks.last_mut() {
             Some(open) => {
                 open.ends.extend(end);
@@ -169,7 +173,7 @@ impl MacroCompiler<'_> {
             for item in items {
                 hits.extend(self.when_item(value, item));
             }
-            let miss = self.emit(Op::Jump { target: 0 });
+            let miss = self.emit(Instruction::Jump { target: 0 });
             self.patch_all(hits);
             if let Some(open) = self.blocks.last_mut() {
                 open.next.push(miss);
@@ -178,19 +182,19 @@ impl MacroCompiler<'_> {
         self.trace();
     }
 
-    fn when_item(&mut self, a: Slot, item: &When) -> Option<usize> {
+    fn when_item(&mut self, a: Slot, item: &WhenItem) -> Option<usize> {
         match item {
-            When::One(constant) => {
+            WhenItem::One(constant) => {
                 let value = self.when_constant(constant)?;
                 let b = self.constant(value);
-                Some(self.emit(Op::JumpIfWhen { a, b, target: 0 }))
+                Some(self.emit(Instruction::JumpIfWhen { a, b, target: 0 }))
             }
-            When::Thru(from, to) => {
+            WhenItem::Thru(from, to) => {
                 let (low, high) = (self.when_constant(from)?, self.when_constant(to)?);
                 if low.kind() != high.kind() || low.order(&high).is_none() {
                     self.error(
                         from.span.to(to.span),
-                        Number::BAD_WHEN,
+                        DiagnosticNumber::BAD_WHEN,
                         "both ends of THRU have one type with an order",
                     );
                     return None;
@@ -198,39 +202,39 @@ impl MacroCompiler<'_> {
                 let (low_slot, high_slot) = (self.slot(), self.slot());
                 self.code.registers.constants.push((low_slot, low));
                 self.code.registers.constants.push((high_slot, high));
-                Some(self.emit(Op::JumpIfThru { a, low: low_slot, target: 0 }))
+                Some(self.emit(Instruction::JumpIfThru { a, low: low_slot, target: 0 }))
             }
         }
     }
 
-    fn when_constant(&mut self, expression: &Expr) -> Option<Value> {
+    fn when_constant(&mut self, expression: &Expr) -> Option<MacroValue> {
         let value = match &expression.kind {
-            ExprKind::Real(number) => Value::Real(*number),
+            ExprKind::Real(number) => MacroValue::Real(*number),
             ExprKind::Unary(crate::lex::Sign::Minus, operand) => match operand.kind {
-                ExprKind::Real(number) => Value::Real(-number),
-                _ => Value::Unset,
+                ExprKind::Real(number) => MacroValue::Real(-number),
+                _ => MacroValue::Unset,
             },
             ExprKind::Unary(crate::lex::Sign::Plus, operand) => match operand.kind {
-                ExprKind::Real(number) => Value::Real(number),
-                _ => Value::Unset,
+                ExprKind::Real(number) => MacroValue::Real(number),
+                _ => MacroValue::Unset,
             },
-            ExprKind::Text(text) => Value::text(text.as_str()),
-            ExprKind::Logical(truth) => Value::Logical(*truth),
-            ExprKind::Null => Value::Null,
-            ExprKind::Keyword(code) => Value::Keyword(*code),
-            ExprKind::Record(record) => Value::Record(*record),
+            ExprKind::Text(text) => MacroValue::text(text.as_str()),
+            ExprKind::Logical(truth) => MacroValue::Logical(*truth),
+            ExprKind::Null => MacroValue::Null,
+            ExprKind::Keyword(code) => MacroValue::Keyword(*code),
+            ExprKind::Record(record) => MacroValue::Record(*record),
             ExprKind::Code(_) | ExprKind::Register(_) => {
                 let (slot, _) = self.expression(expression, None);
                 let found = self.code.registers.constants.iter().find(|(other, _)| *other == slot);
-                found.map_or(Value::Unset, |(_, value)| value.clone())
+                found.map_or(MacroValue::Unset, |(_, value)| value.clone())
             }
             ExprKind::Sequence(parts) => {
-                Value::sequence(parts.iter().filter_map(|part| self.when_constant(part)).collect())
+                MacroValue::sequence(parts.iter().filter_map(|part| self.when_constant(part)).collect())
             }
-            _ => Value::Unset,
+            _ => MacroValue::Unset,
         };
-        if matches!(value, Value::Unset) {
-            self.error(expression.span, Number::BAD_WHEN, "a WHEN list takes constants only");
+        if matches!(value, MacroValue::Unset) {
+            self.error(expression.span, DiagnosticNumber::BAD_WHEN, "a WHEN list takes constants only");
             return None;
         }
         Some(value)
@@ -241,7 +245,7 @@ impl MacroCompiler<'_> {
         self.trace();
         let mut ends = Vec::new();
         self.branch(condition, false, &mut ends);
-        self.open(Block::While, |open| {
+        self.open(CompoundStatement::While, |open| {
             open.ends = ends;
             open.top = top;
         });
@@ -249,12 +253,12 @@ impl MacroCompiler<'_> {
 
     pub(super) fn open_repeat(&mut self) {
         self.trace();
-        self.open(Block::Repeat, |_| {});
+        self.open(CompoundStatement::Repeat, |_| {});
     }
 
     pub(super) fn until(&mut self, condition: &Expr) {
-        if self.blocks.last().is_none_or(|open| open.block != Block::Repeat) {
-            self.error(self.place, Number::UNBALANCED, "UNTIL has no REPEAT");
+        if self.blocks.last().is_none_or(|open| open.block != CompoundStatement::Repeat) {
+            self.error(self.place, DiagnosticNumber::UNBALANCED, "UNTIL has no REPEAT");
             return;
         }
         self.trace();
@@ -271,11 +275,11 @@ impl MacroCompiler<'_> {
         let (end, step_slot) = (self.slot(), self.slot());
         let reach = match &variable.kind {
             ExprKind::Variable(name) => self.reach(name, variable.span, true),
-            _ => Reach::Nowhere,
+            _ => ResolvedVariable::Nowhere,
         };
         let (counter, outside) = match reach {
-            Reach::Local(local) if local.indices == 0 && !local.channel => {
-                if let Some(found) = local.kind.filter(|kind| *kind != Kind::Real) {
+            ResolvedVariable::Local(local) if local.indices == 0 && !local.channel => {
+                if let Some(found) = local.kind.filter(|kind| *kind != ValueType::Real) {
                     self.wrong(variable.span, "a number", found);
                 }
                 (local.slot, None)
@@ -290,13 +294,13 @@ impl MacroCompiler<'_> {
         match step {
             Some(step) => self.number_to(step, step_slot),
             None => {
-                let one = self.constant(Value::Real(1.0));
-                self.emit(Op::Move { to: step_slot, a: one });
+                let one = self.constant(MacroValue::Real(1.0));
+                self.emit(Instruction::Move { to: step_slot, a: one });
             }
         }
-        self.emit(Op::Move { to: counter, a: first });
-        let skip = self.emit(Op::DoStart { variable: counter, end, target: 0 });
-        self.open(Block::Do, |open| {
+        self.emit(Instruction::Move { to: counter, a: first });
+        let skip = self.emit(Instruction::DoStart { variable: counter, end, target: 0 });
+        self.open(CompoundStatement::Do, |open| {
             open.next.push(skip);
             open.value = end;
             open.variable = counter;
@@ -310,7 +314,7 @@ impl MacroCompiler<'_> {
     /// Compiles a number of a DO.
     fn number_to(&mut self, expression: &Expr, slot: Slot) {
         let (_, kind) = self.expression(expression, Some(slot));
-        if let Some(found) = kind.filter(|kind| *kind != Kind::Real) {
+        if let Some(found) = kind.filter(|kind| *kind != ValueType::Real) {
             self.wrong(expression.span, "a number", found);
         }
     }
@@ -324,16 +328,16 @@ impl MacroCompiler<'_> {
             }
             _ => return,
         };
-        self.store(&reach, target.span, slots, slot, (Some(Kind::Real), target.span));
+        self.store(&reach, target.span, slots, slot, (Some(ValueType::Real), target.span));
     }
 
-    pub(super) fn end_of(&mut self, block: Block) {
+    pub(super) fn end_of(&mut self, block: CompoundStatement) {
         match self.blocks.last() {
             Some(open) if open.block == block => {}
             Some(open) => {
                 let line = self.source.line(open.span.start);
                 let message = format!("this ends {}, but {} of line {line} is open", name(block), name(open.block));
-                self.error(self.place, Number::UNBALANCED, message);
+                self.error(self.place, DiagnosticNumber::UNBALANCED, message);
                 if !self.blocks.iter().any(|open| open.block == block) {
                     return;
                 }
@@ -342,28 +346,28 @@ impl MacroCompiler<'_> {
                 }
             }
             None => {
-                self.error(self.place, Number::UNBALANCED, format!("there is no open {}", name(block)));
+                self.error(self.place, DiagnosticNumber::UNBALANCED, format!("there is no open {}", name(block)));
                 return;
             }
         }
         let Some(open) = self.blocks.pop() else { return };
         match block {
-            Block::If | Block::Case => {
+            CompoundStatement::If | CompoundStatement::Case => {
                 self.patch_all(open.next);
                 self.patch_all(open.ends);
                 self.trace();
             }
-            Block::While => {
+            CompoundStatement::While => {
                 self.trace();
-                self.emit(Op::Jump { target: open.top });
+                self.emit(Instruction::Jump { target: open.top });
                 self.patch_all(open.ends);
             }
-            Block::Do => {
+            CompoundStatement::Do => {
                 self.trace();
                 if let Some(outside) = &open.outside {
                     self.expression(outside, Some(open.variable));
                 }
-                self.emit(Op::DoNext { variable: open.variable, end: open.value, target: open.top });
+                self.emit(Instruction::DoNext { variable: open.variable, end: open.value, target: open.top });
                 self.patch_all(open.next);
                 if let Some(outside) = &open.outside {
                     self.copy_out(outside, open.variable);
@@ -371,18 +375,20 @@ impl MacroCompiler<'_> {
                 // EXIT leaves the variable as the body has left it.
                 self.patch_all(open.ends);
             }
-            Block::Repeat => {}
+            CompoundStatement::Repeat => {}
         }
     }
 
     pub(super) fn exit(&mut self, count: u32) {
-        let is_loop = |open: &&mut Open| matches!(open.block, Block::While | Block::Repeat | Block::Do);
-        let jump = self.emit(Op::Jump { target: 0 });
+        let is_loop = |open: &&mut OpenBlock| {
+            matches!(open.block, CompoundStatement::While | CompoundStatement::Repeat | CompoundStatement::Do)
+        };
+        let jump = self.emit(Instruction::Jump { target: 0 });
         match self.blocks.iter_mut().rev().filter(is_loop).nth(count as usize - 1) {
             Some(open) => open.ends.push(jump),
             None => {
                 let message = format!("there are not {count} loops around this EXIT");
-                self.error(self.place, Number::BAD_EXIT, message);
+                self.error(self.place, DiagnosticNumber::BAD_EXIT, message);
             }
         }
     }
@@ -390,12 +396,12 @@ impl MacroCompiler<'_> {
     pub(super) fn label(&mut self, name: &str, span: Span) {
         let here = self.code.ops.len();
         if self.labels.insert(name.to_owned(), here).is_some() {
-            self.error(span, Number::BAD_LABEL, format!("the label {name} is defined twice in this macro"));
+            self.error(span, DiagnosticNumber::BAD_LABEL, format!("the label {name} is defined twice in this macro"));
         }
     }
 
     pub(super) fn jump(&mut self, label: &str, span: Span) {
-        let jump = self.emit(Op::Jump { target: 0 });
+        let jump = self.emit(Instruction::Jump { target: 0 });
         self.jumps.push((jump, label.to_owned(), span));
     }
 
@@ -407,7 +413,12 @@ impl MacroCompiler<'_> {
                     let mut labels: Vec<&str> = self.labels.keys().map(String::as_str).collect();
                     labels.sort_unstable();
                     let help = crate::ident::nearest(&label, labels).map(|near| format!("did you mean {near}?"));
-                    self.error_with(span, Number::BAD_LABEL, format!("this macro has no label {label}"), help);
+                    self.error_with(
+                        span,
+                        DiagnosticNumber::BAD_LABEL,
+                        format!("this macro has no label {label}"),
+                        help,
+                    );
                 }
             }
         }
@@ -415,17 +426,17 @@ impl MacroCompiler<'_> {
 
     pub(super) fn finish_blocks(&mut self) {
         for open in std::mem::take(&mut self.blocks) {
-            self.error(open.span, Number::UNBALANCED, format!("this {} has no end", name(open.block)));
+            self.error(open.span, DiagnosticNumber::UNBALANCED, format!("this {} has no end", name(open.block)));
         }
     }
 }
 
-fn name(block: Block) -> &'static str {
+fn name(block: CompoundStatement) -> &'static str {
     match block {
-        Block::If => "IF",
-        Block::Case => "CASE",
-        Block::While => "WHILE",
-        Block::Repeat => "REPEAT",
-        Block::Do => "DO",
+        CompoundStatement::If => "IF",
+        CompoundStatement::Case => "CASE",
+        CompoundStatement::While => "WHILE",
+        CompoundStatement::Repeat => "REPEAT",
+        CompoundStatement::Do => "DO",
     }
 }

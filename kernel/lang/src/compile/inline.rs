@@ -3,11 +3,11 @@
 //! *Invariant:* a function is inlined only if it touches nothing but its own registers and never jumps back. So
 //! abandoning it and calling it gives the same result as the call alone, and costs the same steps.
 
-use super::Program;
-use crate::bytecode::body::{Body, Effect, near};
+use super::MacroProgram;
+use crate::bytecode::body::{Body, FormEffect, near};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
-use crate::bytecode::{Code, Slot};
-use crate::value::Value;
+use crate::bytecode::{CompiledMacro, Slot};
+use crate::value::MacroValue;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -17,10 +17,11 @@ const MOST: usize = 32;
 const MOST_CALLS: usize = 64;
 
 /// Looks at the calls of all macros from `first` on.
-pub(super) fn link(program: &mut Program, first: usize) {
+pub(super) fn link(program: &mut MacroProgram, first: usize) {
     for index in first..program.macros.len() {
         let Some(caller) = program.macros.get(index).cloned() else { continue };
-        let mut room = Room { registers: caller.registers.count, known: FxHashMap::default(), constants: Vec::new() };
+        let mut room =
+            InlineRegisters { registers: caller.registers.count, known: FxHashMap::default(), constants: Vec::new() };
         let mut bodies = Vec::new();
         let mut forms = Vec::new();
         for (at, form) in caller.short.forms.iter().enumerate() {
@@ -49,7 +50,7 @@ pub(super) fn link(program: &mut Program, first: usize) {
 }
 
 /// The code with nothing but calls.
-pub(super) fn undone(code: &Code) -> Code {
+pub(super) fn undone(code: &CompiledMacro) -> CompiledMacro {
     let mut code = code.clone();
     for form in &mut code.short.forms {
         if let Fast::Inline { to, body } = *form {
@@ -62,15 +63,15 @@ pub(super) fn undone(code: &Code) -> Code {
 }
 
 /// Registers of a caller that its bodies use, by function and its own register.
-struct Room {
+struct InlineRegisters {
     registers: usize,
     known: FxHashMap<(u16, Near), Near>,
-    constants: Vec<(Slot, Value)>,
+    constants: Vec<(Slot, MacroValue)>,
 }
 
-impl Room {
+impl InlineRegisters {
     /// The register that replaces one of a function; constants have their value.
-    fn of(&mut self, callee: u16, own: Near, function: &Code) -> Option<Near> {
+    fn of(&mut self, callee: u16, own: Near, function: &CompiledMacro) -> Option<Near> {
         if let Some(known) = self.known.get(&(callee, own)) {
             return Some(*known);
         }
@@ -83,7 +84,12 @@ impl Room {
     }
 }
 
-fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut Room) -> Option<Body> {
+fn body(
+    caller: &CompiledMacro,
+    function: &CompiledMacro,
+    (callee, list): (u16, u16),
+    room: &mut InlineRegisters,
+) -> Option<Body> {
     let plain = function.signature.is_function && function.statements.is_empty() && function.shared.is_empty();
     if !plain || function.ops.len() > MOST || function.short.forms.is_empty() {
         return None;
@@ -122,7 +128,7 @@ fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut R
 }
 
 /// Effects of the forms of a function; none unless they only use its registers and never jump back.
-fn effects(function: &Code) -> Option<Vec<Effect>> {
+fn effects(function: &CompiledMacro) -> Option<Vec<FormEffect>> {
     let all = function.short.forms.iter().enumerate().map(|(at, form)| {
         let (_, effect) = form.moved(&mut Some)?;
         effect.target.is_none_or(|target| usize::from(target) >= at + effect.length).then_some(effect)
@@ -131,7 +137,7 @@ fn effects(function: &Code) -> Option<Vec<Effect>> {
 }
 
 /// Whether a register may be read before anything is written to it; at the end of the function, too, if that counts.
-fn is_read_first(effects: &[Effect], register: Near, end_counts: bool) -> bool {
+fn is_read_first(effects: &[FormEffect], register: Near, end_counts: bool) -> bool {
     // Whether it is written before each form, on every way there; none where no way leads.
     let mut before = vec![None; effects.len()];
     if let Some(first) = before.first_mut() {

@@ -1,25 +1,26 @@
 //! Local names: declarations, first uses, near misses.
 
 use super::arms::Arms;
-use super::{Local, MacroCompiler, Strong};
-use crate::ast::{ExprKind, Macro, Scope, StatementKind, Variable};
+use super::{DeclarationStrictness, LocalSymbol, MacroCompiler};
+use crate::ast::{ExprKind, MacroVariableScope, ParsedMacro, StatementKind, VariableName};
 use crate::bytecode::Slot;
-use crate::diag::Number;
+use crate::diag::DiagnosticNumber;
 use crate::ident;
 use crate::source::Span;
-use crate::value::Kind;
+use crate::value::ValueType;
 
 impl MacroCompiler<'_> {
     /// Collects the locals that the macro declares, so that their types are known everywhere in it.
-    pub(super) fn declare_locals(&mut self, one: &Macro) {
+    pub(super) fn declare_locals(&mut self, one: &ParsedMacro) {
         let mut arms = Arms::default();
         for statement in &one.statements {
             arms.pass(statement);
-            let StatementKind::Declare { scope: Scope::Local, kind, channel, names } = &statement.kind else {
+            let StatementKind::Declare { scope: MacroVariableScope::Local, kind, channel, names } = &statement.kind
+            else {
                 continue;
             };
             for declared in names {
-                let said = (Scope::Local, *kind, declared.sizes.len(), *channel);
+                let said = (MacroVariableScope::Local, *kind, declared.sizes.len(), *channel);
                 let again = arms.again(&declared.name, said);
                 arms.declared(&declared.name, said);
                 if again {
@@ -33,7 +34,7 @@ impl MacroCompiler<'_> {
                     });
                 if taken {
                     let message = format!("{} is already declared", declared.name);
-                    self.error(declared.span, Number::REDECLARED, message);
+                    self.error(declared.span, DiagnosticNumber::REDECLARED, message);
                     continue;
                 }
                 self.new_local(&declared.name, *kind, Some(declared.span.start));
@@ -47,7 +48,7 @@ impl MacroCompiler<'_> {
     }
 
     /// Collects the names that the macro assigns as a whole.
-    pub(super) fn note_assigned(&mut self, one: &Macro) {
+    pub(super) fn note_assigned(&mut self, one: &ParsedMacro) {
         for statement in &one.statements {
             let targets = match &statement.kind {
                 StatementKind::Assign { target, .. } => std::slice::from_ref(target),
@@ -55,28 +56,28 @@ impl MacroCompiler<'_> {
                 _ => continue,
             };
             for target in targets {
-                if let ExprKind::Variable(Variable::User(name)) = &target.kind {
+                if let ExprKind::Variable(VariableName::User(name)) = &target.kind {
                     self.assigned.insert(name.clone());
                 }
             }
         }
     }
 
-    pub(super) fn new_local(&mut self, name: &str, kind: Option<Kind>, declared: Option<u32>) -> Slot {
+    pub(super) fn new_local(&mut self, name: &str, kind: Option<ValueType>, declared: Option<u32>) -> Slot {
         let slot = self.slot();
         self.code.registers.locals.push(slot);
         let user = !name.starts_with(['%', '$']);
-        let local = Local { slot, kind, indices: 0, channel: false, declared, written: false, read: None, user };
+        let local = LocalSymbol { slot, kind, indices: 0, channel: false, declared, written: false, read: None, user };
         self.locals.insert(name.to_owned(), local);
         slot
     }
 
     /// Finds or makes a local; notes whether it is read or written.
-    pub(super) fn local(&mut self, name: &str, span: Span, write: bool) -> Local {
+    pub(super) fn local(&mut self, name: &str, span: Span, write: bool) -> LocalSymbol {
         if !self.locals.contains_key(name) {
             self.new_local(name, None, None);
         }
-        let strong = self.options.strong == Strong::Full;
+        let strong = self.options.strong == DeclarationStrictness::Full;
         let mut undeclared = false;
         let mut found = None;
         if let Some(local) = self.locals.get_mut(name) {
@@ -89,9 +90,9 @@ impl MacroCompiler<'_> {
         }
         if undeclared {
             let help = self.near_name(name);
-            self.error_with(span, Number::UNDECLARED, format!("{name} is not declared before this"), help);
+            self.error_with(span, DiagnosticNumber::UNDECLARED, format!("{name} is not declared before this"), help);
         }
-        found.unwrap_or(Local {
+        found.unwrap_or(LocalSymbol {
             slot: 0,
             kind: None,
             indices: 0,
@@ -123,7 +124,7 @@ impl MacroCompiler<'_> {
         for (name, span) in unset {
             let help = self.near_name(&name);
             let message = format!("{name} is read here, but nothing in this macro assigns it");
-            self.error_with(span, Number::UNINITIALISED, message, help);
+            self.error_with(span, DiagnosticNumber::UNINITIALISED, message, help);
         }
     }
 }

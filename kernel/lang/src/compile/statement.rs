@@ -1,14 +1,14 @@
 //! Statements into instructions.
 
-use super::{MacroCompiler, Place};
-use crate::ast::{Block, Expr, ExprKind, Statement, StatementKind};
-use crate::bytecode::{CommandCode, Op, Relation, Slot};
-use crate::diag::Number;
-use crate::format::Format;
-use crate::value::{Kind, Value};
+use super::{MacroCompiler, MacroRole};
+use crate::ast::{CompoundStatement, Expr, ExprKind, MacroStatement, StatementKind};
+use crate::bytecode::{CommandCode, Instruction, Relation, Slot};
+use crate::diag::DiagnosticNumber;
+use crate::format::StringFormat;
+use crate::value::{MacroValue, ValueType};
 
 impl MacroCompiler<'_> {
-    pub(super) fn statement(&mut self, statement: &Statement) {
+    pub(super) fn statement(&mut self, statement: &MacroStatement) {
         if let Some((label, span)) = &statement.label {
             self.label(label, *span);
         }
@@ -39,10 +39,10 @@ impl MacroCompiler<'_> {
             return;
         }
         let message = match (self.options.place, kind) {
-            (Place::Data, K::Output) => "OUTPUT is not possible in a data macro",
-            (Place::Startup, K::Output) => "OUTPUT is not possible in a startup or shutdown macro",
+            (MacroRole::Data, K::Output) => "OUTPUT is not possible in a data macro",
+            (MacroRole::Startup, K::Output) => "OUTPUT is not possible in a startup or shutdown macro",
             (
-                Place::Declaration,
+                MacroRole::Declaration,
                 K::Declare { .. }
                 | K::Include(_)
                 | K::If(_)
@@ -50,16 +50,16 @@ impl MacroCompiler<'_> {
                 | K::Else
                 | K::Case(_)
                 | K::When(_)
-                | K::EndOf(Block::If | Block::Case)
+                | K::EndOf(CompoundStatement::If | CompoundStatement::Case)
                 | K::EndMacro
                 | K::Empty,
             ) => return,
-            (Place::Declaration, _) => {
+            (MacroRole::Declaration, _) => {
                 "a declaration macro holds declarations only: DECLAR and INCLUD, inside IF or CASE"
             }
             _ => return,
         };
-        self.error(self.place, Number::NOT_HERE, message);
+        self.error(self.place, DiagnosticNumber::NOT_HERE, message);
     }
 
     fn simple(&mut self, kind: &StatementKind) {
@@ -69,7 +69,7 @@ impl MacroCompiler<'_> {
             StatementKind::Exit(count) => self.exit(*count),
             StatementKind::Jump(label, span) => self.jump(label, *span),
             StatementKind::Terminate | StatementKind::EndMacro => {
-                self.emit(Op::Return);
+                self.emit(Instruction::Return);
             }
             StatementKind::Match(on) => self.bare(if *on { CommandCode::MatchOn } else { CommandCode::MatchOff }),
             StatementKind::Output => self.bare(CommandCode::Output),
@@ -80,10 +80,10 @@ impl MacroCompiler<'_> {
             StatementKind::Listing(on) => {
                 self.bare(if *on { CommandCode::ListingOn } else { CommandCode::ListingOff });
             }
-            StatementKind::Search(number) => self.one(CommandCode::Search, number, Kind::Real),
-            StatementKind::Skip(number) => self.one(CommandCode::Skip, number, Kind::Real),
-            StatementKind::Close(unit) => self.one(CommandCode::Close, unit, Kind::Real),
-            StatementKind::System(text) => self.one(CommandCode::System, text, Kind::Text),
+            StatementKind::Search(number) => self.one(CommandCode::Search, number, ValueType::Real),
+            StatementKind::Skip(number) => self.one(CommandCode::Skip, number, ValueType::Real),
+            StatementKind::Close(unit) => self.one(CommandCode::Close, unit, ValueType::Real),
+            StatementKind::System(text) => self.one(CommandCode::System, text, ValueType::Text),
             StatementKind::Print(arguments) => self.formatted(CommandCode::Print, arguments, 0),
             StatementKind::Write(arguments) => self.formatted(CommandCode::Write, arguments, 1),
             StatementKind::Exec(now, arguments) => self.exec(*now, arguments),
@@ -101,15 +101,15 @@ impl MacroCompiler<'_> {
 
     fn command(&mut self, command: CommandCode, slots: Vec<Slot>) {
         let list = self.list(slots);
-        self.emit(Op::Command { command, list });
+        self.emit(Instruction::Command { command, list });
     }
 
     pub(super) fn bare(&mut self, command: CommandCode) {
         self.command(command, Vec::new());
     }
 
-    fn one(&mut self, command: CommandCode, argument: &Expr, kind: Kind) {
-        let wanted = if kind == Kind::Real { "a number" } else { "a text" };
+    fn one(&mut self, command: CommandCode, argument: &Expr, kind: ValueType) {
+        let wanted = if kind == ValueType::Real { "a number" } else { "a text" };
         let slot = self.typed(argument, kind, wanted);
         self.command(command, vec![slot]);
     }
@@ -121,7 +121,7 @@ impl MacroCompiler<'_> {
             if position == 1
                 && let Some(unit) = arguments.first()
             {
-                self.typed(unit, Kind::Real, "a unit number");
+                self.typed(unit, ValueType::Real, "a unit number");
             }
         }
         let slots = arguments.iter().map(|argument| self.expression(argument, None).0).collect();
@@ -131,12 +131,12 @@ impl MacroCompiler<'_> {
     /// Checks a format that is written as a constant.
     fn check_format(&mut self, format: &Expr, values: usize, input: bool) {
         let ExprKind::Text(text) = &format.kind else { return };
-        let parsed = if input { Format::input(text) } else { Format::output(text) };
+        let parsed = if input { StringFormat::input(text) } else { StringFormat::output(text) };
         match parsed {
             Err(fault) => self.error(format.span, fault.number, fault.message),
             Ok(parsed) if parsed.arguments != values => {
                 let message = format!("this format has {} codes, but {values} values follow", parsed.arguments);
-                self.error(format.span, Number::WRONG_COUNT, message);
+                self.error(format.span, DiagnosticNumber::WRONG_COUNT, message);
             }
             Ok(_) => {}
         }
@@ -161,7 +161,7 @@ impl MacroCompiler<'_> {
         } else if let [first] = arguments
             && matches!(first.kind, ExprKind::Real(number) if number <= 99.0)
         {
-            self.error(first.span, Number::WRONG_COUNT, "a text must follow the severity");
+            self.error(first.span, DiagnosticNumber::WRONG_COUNT, "a text must follow the severity");
         }
         let slots = arguments.iter().map(|argument| self.expression(argument, None).0).collect();
         self.command(CommandCode::Error, slots);
@@ -170,11 +170,11 @@ impl MacroCompiler<'_> {
     fn read_statement(&mut self, source: &Expr, again: bool, format: &Expr, targets: &[Expr]) {
         self.check_format(format, targets.len(), true);
         let (source, _) = self.expression(source, None);
-        let format = self.typed(format, Kind::Text, "a format");
+        let format = self.typed(format, ValueType::Text, "a format");
         let temporaries: Vec<Slot> = targets.iter().map(|_| self.temporary()).collect();
         let list = self.list(vec![source, format]);
         let slots = self.list(temporaries.clone());
-        self.emit(Op::Read { list, targets: slots, again });
+        self.emit(Instruction::Read { list, targets: slots, again });
         for (target, slot) in targets.iter().zip(temporaries) {
             let (reach, indices) = match &target.kind {
                 ExprKind::Element(variable, indices) => {
@@ -196,9 +196,9 @@ impl MacroCompiler<'_> {
     /// Turns `$NULL` in a register into the initial value of a declared variable: a value that could not be read is not
     /// a fault.
     fn null_to_unset(&mut self, slot: Slot) {
-        let (null, unset) = (self.constant(Value::Null), self.constant(Value::Unset));
-        let jump = self.emit(Op::JumpUnlessCompare { relation: Relation::Equal, a: slot, b: null, target: 0 });
-        self.emit(Op::Move { to: slot, a: unset });
+        let (null, unset) = (self.constant(MacroValue::Null), self.constant(MacroValue::Unset));
+        let jump = self.emit(Instruction::JumpUnlessCompare { relation: Relation::Equal, a: slot, b: null, target: 0 });
+        self.emit(Instruction::Move { to: slot, a: unset });
         self.patch(jump);
     }
 }

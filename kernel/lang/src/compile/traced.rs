@@ -5,18 +5,18 @@
 
 use std::sync::Arc;
 
-use super::{Added, Options, Program, load};
-use crate::host::Environment;
-use crate::source::Source;
+use super::{Added, CompileOptions, MacroProgram, load};
+use crate::host::CompileEnvironment;
+use crate::source::MacroSource;
 
 /// The program compiled once more, with trace instructions in it: every macro has the index that it has here. `program`
 /// holds no embedded code.
 #[must_use]
-pub fn traced(program: &Program, environment: &mut dyn Environment) -> Program {
-    let mut kept = Kept { environment, included: &program.included };
-    let mut again = Program::new();
+pub fn traced(program: &MacroProgram, environment: &mut dyn CompileEnvironment) -> MacroProgram {
+    let mut kept = RecompileEnvironment { environment, included: &program.included };
+    let mut again = MacroProgram::new();
     for (source, options) in &program.sources {
-        let options = Options { trace: true, ..*options };
+        let options = CompileOptions { trace: true, ..*options };
         load(&mut again, &mut kept, source, options, &mut Added::default(), 0);
     }
     // With trace instructions a macro may have become too large; then it goes without.
@@ -29,12 +29,12 @@ pub fn traced(program: &Program, environment: &mut dyn Environment) -> Program {
 }
 
 /// An environment whose included files are those of an earlier compilation.
-struct Kept<'a> {
-    environment: &'a mut dyn Environment,
-    included: &'a [(String, Option<Arc<Source>>)],
+struct RecompileEnvironment<'a> {
+    environment: &'a mut dyn CompileEnvironment,
+    included: &'a [(String, Option<Arc<MacroSource>>)],
 }
 
-impl Environment for Kept<'_> {
+impl CompileEnvironment for RecompileEnvironment<'_> {
     fn system(&self) -> &[crate::host::SystemVariable] {
         self.environment.system()
     }
@@ -51,7 +51,7 @@ impl Environment for Kept<'_> {
         self.environment.identifiers()
     }
 
-    fn include(&mut self, name: &str, _: &str) -> Option<Source> {
+    fn include(&mut self, name: &str, _: &str) -> Option<MacroSource> {
         let (_, source) = self.included.iter().find(|(known, _)| known == name)?;
         source.as_deref().cloned()
     }

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 /// How suppressed zeros and the sign use the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Style {
+pub enum ColumnStyle {
     /// `V`: no blanks.
     Variable,
     /// `F`: blanks for suppressed zeros, the sign inside the columns of the whole digits.
@@ -18,7 +18,7 @@ pub enum Style {
 
 /// The treatment of zeros at the outer end of a group of digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Zeros {
+pub enum ZeroStyle {
     /// All are shown.
     Shown,
     /// `s`: none is shown.
@@ -29,7 +29,7 @@ pub enum Zeros {
 
 /// The decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Point {
+pub enum PointStyle {
     /// Not written.
     Implied,
     /// `.`
@@ -42,34 +42,34 @@ pub enum Point {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numeric {
     /// Use of columns.
-    pub style: Style,
+    pub style: ColumnStyle,
     /// Plus is written.
     pub plus: bool,
     /// Leading zeros.
-    pub lead: Zeros,
+    pub lead: ZeroStyle,
     /// Whole digits.
     pub whole: u8,
     /// Time groups of two digits after colons; none for a number.
-    pub groups: Vec<Zeros>,
+    pub groups: Vec<ZeroStyle>,
     /// Decimal point.
-    pub point: Point,
+    pub point: PointStyle,
     /// Fraction digits.
     pub fraction: u8,
     /// Trailing zeros.
-    pub trail: Zeros,
+    pub trail: ZeroStyle,
 }
 
 impl Numeric {
     /// `s9f9s`
     pub const WILDCARD: Numeric = Numeric {
-        style: Style::Variable,
+        style: ColumnStyle::Variable,
         plus: false,
-        lead: Zeros::Dropped,
+        lead: ZeroStyle::Dropped,
         whole: 9,
         groups: Vec::new(),
-        point: Point::WithFraction,
+        point: PointStyle::WithFraction,
         fraction: 9,
-        trail: Zeros::Dropped,
+        trail: ZeroStyle::Dropped,
     };
 
     /// Appends `value`; seconds for a time format.
@@ -78,7 +78,7 @@ impl Numeric {
             let _ = write!(out, "{value}");
             return;
         }
-        let mut buffer = Digits::default();
+        let mut buffer = DecimalDigits::default();
         buffer.round(value.abs(), usize::from(self.fraction));
         let negative = value < 0.0 && !buffer.is_zero();
         let mut whole = String::with_capacity(24);
@@ -89,8 +89,8 @@ impl Numeric {
         }
         let (fraction, blanks) = self.fraction_part(&buffer);
         let point = match self.point {
-            Point::Always => ".",
-            Point::WithFraction if !fraction.trim_end().is_empty() => ".",
+            PointStyle::Always => ".",
+            PointStyle::WithFraction if !fraction.trim_end().is_empty() => ".",
             _ => "",
         };
         if whole.trim_start().is_empty() && fraction.is_empty() {
@@ -101,34 +101,34 @@ impl Numeric {
         out.push_str(&whole);
         out.push_str(point);
         out.push_str(fraction);
-        if self.style != Style::Variable {
-            let missing = blanks + usize::from(self.point == Point::WithFraction && point.is_empty());
+        if self.style != ColumnStyle::Variable {
+            let missing = blanks + usize::from(self.point == PointStyle::WithFraction && point.is_empty());
             out.extend(std::iter::repeat_n(' ', missing));
         }
     }
 
-    fn number_whole(&self, out: &mut String, digits: &Digits) {
+    fn number_whole(&self, out: &mut String, digits: &DecimalDigits) {
         self.group(out, digits.whole(), usize::from(self.whole), self.lead);
     }
 
     /// Appends one group of whole digits.
-    fn group(&self, out: &mut String, digits: &str, width: usize, zeros: Zeros) {
+    fn group(&self, out: &mut String, digits: &str, width: usize, zeros: ZeroStyle) {
         let significant = digits.trim_start_matches('0');
         let keep = match zeros {
-            Zeros::Shown => width,
-            Zeros::KeepOne => 1,
-            Zeros::Dropped => 0,
+            ZeroStyle::Shown => width,
+            ZeroStyle::KeepOne => 1,
+            ZeroStyle::Dropped => 0,
         };
         let zeros = keep.saturating_sub(significant.len());
         let blanks = width.saturating_sub(significant.len() + zeros);
-        if self.style != Style::Variable {
+        if self.style != ColumnStyle::Variable {
             out.extend(std::iter::repeat_n(' ', blanks));
         }
         out.extend(std::iter::repeat_n('0', zeros));
         out.push_str(significant);
     }
 
-    fn time(&self, out: &mut String, digits: &Digits) {
+    fn time(&self, out: &mut String, digits: &DecimalDigits) {
         let total: u64 = digits.whole().parse().unwrap_or(u64::MAX);
         let count = u32::try_from(self.groups.len()).unwrap_or(0);
         let top = total / 60u64.pow(count);
@@ -136,11 +136,11 @@ impl Numeric {
         for (rest, zeros) in (0..count).rev().zip(&self.groups) {
             let part = format!("{:02}", total / 60u64.pow(rest) % 60);
             let nothing = out.trim_start().is_empty();
-            if *zeros == Zeros::Shown || !nothing {
+            if *zeros == ZeroStyle::Shown || !nothing {
                 out.push(':');
                 out.push_str(&part);
             } else {
-                if self.style != Style::Variable {
+                if self.style != ColumnStyle::Variable {
                     out.push(' ');
                 }
                 self.group(out, &part, 2, *zeros);
@@ -149,16 +149,16 @@ impl Numeric {
     }
 
     /// Fraction digits to show and the number of suppressed ones.
-    fn fraction_part<'a>(&self, digits: &'a Digits) -> (&'a str, usize) {
+    fn fraction_part<'a>(&self, digits: &'a DecimalDigits) -> (&'a str, usize) {
         let all = digits.fraction();
         let shown = all.trim_end_matches('0');
-        if self.point == Point::WithFraction && shown.is_empty() {
+        if self.point == PointStyle::WithFraction && shown.is_empty() {
             return ("", all.len());
         }
         let length = match self.trail {
-            Zeros::Shown => all.len(),
-            Zeros::Dropped => shown.len(),
-            Zeros::KeepOne => shown.len().max(1).min(all.len()),
+            ZeroStyle::Shown => all.len(),
+            ZeroStyle::Dropped => shown.len(),
+            ZeroStyle::KeepOne => shown.len().max(1).min(all.len()),
         };
         (all.get(..length).unwrap_or(all), all.len() - length)
     }
@@ -168,7 +168,7 @@ impl Numeric {
             (true, _) => '-',
             (false, true) => '+',
             (false, false) => {
-                if self.style == Style::Signed {
+                if self.style == ColumnStyle::Signed {
                     whole.insert(0, ' ');
                 }
                 return;
@@ -176,13 +176,13 @@ impl Numeric {
         };
         let blanks = whole.len() - whole.trim_start_matches(' ').len();
         match self.style {
-            Style::Variable | Style::Signed => whole.insert(0, sign),
-            Style::Fixed if blanks > 0 => {
+            ColumnStyle::Variable | ColumnStyle::Signed => whole.insert(0, sign),
+            ColumnStyle::Fixed if blanks > 0 => {
                 whole.remove(0);
                 whole.insert(blanks - 1, sign);
             }
-            Style::Fixed => {
-                if self.lead == Zeros::Shown && whole.starts_with('0') && whole.len() > 1 {
+            ColumnStyle::Fixed => {
+                if self.lead == ZeroStyle::Shown && whole.starts_with('0') && whole.len() > 1 {
                     whole.remove(0);
                 }
                 whole.insert(0, sign);
@@ -193,12 +193,12 @@ impl Numeric {
 
 /// Decimal digits of a rounded number.
 #[derive(Default)]
-struct Digits {
+struct DecimalDigits {
     text: String,
     point: usize,
 }
 
-impl Digits {
+impl DecimalDigits {
     /// Rounds `value` (not negative) half up to `places` fraction digits.
     fn round(&mut self, value: f64, places: usize) {
         const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];

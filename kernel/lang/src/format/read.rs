@@ -2,28 +2,28 @@
 //!
 //! *Invariant:* reading never fails as a whole; a code without a match gives `$NULL`, which is reported to the caller.
 
-use super::{Code, Format, Numeric, Piece, Point, Zeros};
+use super::{FormatCode, FormatPiece, Numeric, PointStyle, StringFormat, ZeroStyle};
 use crate::ident;
-use crate::value::{Record, Value};
+use crate::value::{MacroValue, RecordName};
 
 /// Reads a line by an input format; the flag says that every code and literal was found.
 #[must_use]
-pub fn read(format: &Format, line: &str) -> (Vec<Value>, bool) {
+pub fn read(format: &StringFormat, line: &str) -> (Vec<MacroValue>, bool) {
     let characters: Vec<char> = line.chars().collect();
-    let mut reader = Reader { line: &characters, at: 0, good: true };
+    let mut reader = FormatReader { line: &characters, at: 0, good: true };
     let mut values = Vec::new();
     for piece in &format.pieces {
         match piece {
-            Piece::Literal(text) => text.chars().for_each(|wanted| reader.literal(wanted)),
-            Piece::Code(Code::Column { column, back }) => {
+            FormatPiece::Literal(text) => text.chars().for_each(|wanted| reader.literal(wanted)),
+            FormatPiece::Code(FormatCode::Column { column, back }) => {
                 reader.at = if *back { column - 1 } else { reader.at.max(column - 1) }.min(characters.len());
             }
-            Piece::Code(Code::Skip(count)) => reader.at = (reader.at + count).min(characters.len()),
-            Piece::Code(Code::Register { argument: false, .. }) => reader.good = false,
-            Piece::Code(code) => {
+            FormatPiece::Code(FormatCode::Skip(count)) => reader.at = (reader.at + count).min(characters.len()),
+            FormatPiece::Code(FormatCode::Register { argument: false, .. }) => reader.good = false,
+            FormatPiece::Code(code) => {
                 let value = reader.code(code);
                 reader.good &= value.is_some();
-                values.push(value.unwrap_or(Value::Null));
+                values.push(value.unwrap_or(MacroValue::Null));
             }
         }
     }
@@ -33,13 +33,13 @@ pub fn read(format: &Format, line: &str) -> (Vec<Value>, bool) {
 /// Digits that are looked through for the colon of a time.
 const MOST_DIGITS: usize = 64;
 
-struct Reader<'a> {
+struct FormatReader<'a> {
     line: &'a [char],
     at: usize,
     good: bool,
 }
 
-impl Reader<'_> {
+impl FormatReader<'_> {
     fn peek(&self) -> Option<char> {
         self.line.get(self.at).copied()
     }
@@ -86,26 +86,26 @@ impl Reader<'_> {
         word
     }
 
-    fn code(&mut self, code: &Code) -> Option<Value> {
+    fn code(&mut self, code: &FormatCode) -> Option<MacroValue> {
         match code {
-            Code::Number(numeric) => self.number(numeric).map(Value::Real),
-            Code::Register { .. } => self.number(&Numeric::WILDCARD).map(Value::Real),
-            Code::Text { width, lower } => {
+            FormatCode::Number(numeric) => self.number(numeric).map(MacroValue::Real),
+            FormatCode::Register { .. } => self.number(&Numeric::WILDCARD).map(MacroValue::Real),
+            FormatCode::Text { width, lower } => {
                 let width = if *width == 0 { usize::MAX } else { *width };
                 let text: String = self.line.iter().skip(self.at).take(width).collect();
                 self.at = self.at.saturating_add(width).min(self.line.len());
-                Some(Value::text(if *lower { text.to_lowercase() } else { text }))
+                Some(MacroValue::text(if *lower { text.to_lowercase() } else { text }))
             }
-            Code::Minor { width, .. } => minor(&self.word(*width)),
-            Code::Record { width, .. } => major(&self.word(*width)),
-            Code::Logical { width, .. } => match self.word(*width).as_str() {
-                "TRUE" => Some(Value::Logical(true)),
-                "FALSE" => Some(Value::Logical(false)),
+            FormatCode::Minor { width, .. } => minor(&self.word(*width)),
+            FormatCode::Record { width, .. } => major(&self.word(*width)),
+            FormatCode::Logical { width, .. } => match self.word(*width).as_str() {
+                "TRUE" => Some(MacroValue::Logical(true)),
+                "FALSE" => Some(MacroValue::Logical(false)),
                 _ => None,
             },
-            Code::Character => self.next_if(|_| true).map(|c| Value::Real(f64::from(u32::from(c)))),
-            Code::Any => self.any(),
-            Code::Column { .. } | Code::Skip(_) => None,
+            FormatCode::Character => self.next_if(|_| true).map(|c| MacroValue::Real(f64::from(u32::from(c)))),
+            FormatCode::Any => self.any(),
+            FormatCode::Column { .. } | FormatCode::Skip(_) => None,
         }
     }
 
@@ -124,13 +124,13 @@ impl Reader<'_> {
         if !format.groups.is_empty() {
             return self.time(sign);
         }
-        let implied = format.point == Point::Implied;
+        let implied = format.point == PointStyle::Implied;
         let mut digits = self.digits(if implied { whole + fraction } else { whole.max(1) });
         if self.next_if(|c| c == '.').is_some() {
             digits.push('.');
             digits.push_str(&self.digits(fraction.max(1)));
         } else if implied && fraction > 0 && !digits.is_empty() {
-            let at = if format.trail == Zeros::Shown { digits.len().checked_sub(fraction) } else { Some(whole) };
+            let at = if format.trail == ZeroStyle::Shown { digits.len().checked_sub(fraction) } else { Some(whole) };
             match at {
                 Some(at) if at <= digits.len() => digits.insert(at, '.'),
                 Some(_) => {}
@@ -162,15 +162,15 @@ impl Reader<'_> {
     }
 
     /// The next word by its first character.
-    fn any(&mut self) -> Option<Value> {
+    fn any(&mut self) -> Option<MacroValue> {
         self.blanks();
         match self.peek()? {
             '$' => {
                 self.at += 1;
                 match self.word(0).as_str() {
-                    "NULL" => Some(Value::Null),
-                    "TRUE" => Some(Value::Logical(true)),
-                    "FALSE" => Some(Value::Logical(false)),
+                    "NULL" => Some(MacroValue::Null),
+                    "TRUE" => Some(MacroValue::Logical(true)),
+                    "FALSE" => Some(MacroValue::Logical(false)),
                     _ => None,
                 }
             }
@@ -179,7 +179,7 @@ impl Reader<'_> {
                 let mut text = String::new();
                 while let Some(c) = self.next_if(|_| true) {
                     if c == '\'' && self.next_if(|c| c == '\'').is_none() {
-                        return Some(Value::text(text));
+                        return Some(MacroValue::text(text));
                     }
                     text.push(c);
                 }
@@ -193,7 +193,7 @@ impl Reader<'_> {
                 let word = self.word(0);
                 minor(&word).or_else(|| major(&word))
             }
-            c if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => self.plain().map(Value::Real),
+            c if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => self.plain().map(MacroValue::Real),
             _ => None,
         }
     }
@@ -218,21 +218,21 @@ impl Reader<'_> {
     }
 }
 
-fn minor(word: &str) -> Option<Value> {
+fn minor(word: &str) -> Option<MacroValue> {
     match word.strip_prefix('#') {
-        Some(code) => code.parse().ok().map(Value::Keyword),
-        None => ident::minor_code(word).map(Value::Keyword),
+        Some(code) => code.parse().ok().map(MacroValue::Keyword),
+        None => ident::minor_code(word).map(MacroValue::Keyword),
     }
 }
 
-fn major(word: &str) -> Option<Value> {
+fn major(word: &str) -> Option<MacroValue> {
     let part = |text: &str| if text == "*" { Some(-1) } else { text.parse().ok() };
     let record = match word.strip_prefix('#') {
         Some(codes) => match codes.split_once(':') {
-            Some((class, subclass)) => Record { class: part(class)?, subclass: part(subclass)? },
-            None => Record { class: ident::MAJOR_CLASS, subclass: part(codes)? },
+            Some((class, subclass)) => RecordName { class: part(class)?, subclass: part(subclass)? },
+            None => RecordName { class: ident::MAJOR_CLASS, subclass: part(codes)? },
         },
         None => ident::record(word)?,
     };
-    Some(Value::Record(record))
+    Some(MacroValue::Record(record))
 }

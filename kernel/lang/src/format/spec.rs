@@ -2,13 +2,13 @@
 //!
 //! *Invariant:* a code that is not understood is an error at parse time, never silently literal.
 
-use super::number::{Numeric, Point, Style, Zeros};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::number::{ColumnStyle, Numeric, PointStyle, ZeroStyle};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 
 /// A register named by a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Register {
+pub enum FormatRegister {
     /// By index 1 to 99.
     Index(u8),
     /// By letter.
@@ -17,7 +17,7 @@ pub enum Register {
 
 /// One code of a format.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Code {
+pub enum FormatCode {
     /// Number or time.
     Number(Numeric),
     /// `An`
@@ -62,7 +62,7 @@ pub enum Code {
     /// `@n`, `#n`, `@t`, `#t`
     Register {
         /// Which one.
-        register: Register,
+        register: FormatRegister,
         /// With prefix and suffix.
         word: bool,
         /// Value from the arguments, otherwise the current one.
@@ -74,18 +74,18 @@ pub enum Code {
 
 /// A piece of a format.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Piece {
+pub enum FormatPiece {
     /// Characters as they are.
     Literal(String),
     /// A code.
-    Code(Code),
+    Code(FormatCode),
 }
 
 /// A parsed format.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Format {
+pub struct StringFormat {
     /// Pieces in order.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<FormatPiece>,
     /// Number of arguments.
     pub arguments: usize,
 }
@@ -95,12 +95,12 @@ const WIDEST: usize = 999;
 
 const LETTERS: &str = "ABCDEFHNSTXYZ";
 
-impl Format {
+impl StringFormat {
     /// Parses an output format.
     ///
     /// # Errors
     /// A code that does not exist.
-    pub fn output(text: &str) -> Outcome<Format> {
+    pub fn output(text: &str) -> Outcome<StringFormat> {
         parse(text, false)
     }
 
@@ -108,33 +108,36 @@ impl Format {
     ///
     /// # Errors
     /// A code that does not exist.
-    pub fn input(text: &str) -> Outcome<Format> {
+    pub fn input(text: &str) -> Outcome<StringFormat> {
         parse(text, true)
     }
 
     /// Bytes that it takes, about.
     pub(crate) fn size(&self) -> usize {
-        let literal = |piece: &Piece| if let Piece::Literal(text) = piece { text.len() } else { 0 };
+        let literal = |piece: &FormatPiece| if let FormatPiece::Literal(text) = piece { text.len() } else { 0 };
         self.pieces.iter().map(|piece| literal(piece) + 64).sum()
     }
 
     fn literal(&mut self, character: char) {
-        if let Some(Piece::Literal(text)) = self.pieces.last_mut() {
+        if let Some(FormatPiece::Literal(text)) = self.pieces.last_mut() {
             text.push(character);
         } else {
-            self.pieces.push(Piece::Literal(character.to_string()));
+            self.pieces.push(FormatPiece::Literal(character.to_string()));
         }
     }
 
-    fn code(&mut self, code: Code) {
-        let none = matches!(code, Code::Column { .. } | Code::Skip(_) | Code::Register { argument: false, .. });
+    fn code(&mut self, code: FormatCode) {
+        let none = matches!(
+            code,
+            FormatCode::Column { .. } | FormatCode::Skip(_) | FormatCode::Register { argument: false, .. }
+        );
         self.arguments += usize::from(!none);
-        self.pieces.push(Piece::Code(code));
+        self.pieces.push(FormatPiece::Code(code));
     }
 }
 
-fn parse(text: &str, input: bool) -> Outcome<Format> {
-    let mut format = Format::default();
+fn parse(text: &str, input: bool) -> Outcome<StringFormat> {
+    let mut format = StringFormat::default();
     let mut rest = text;
     while let Some(character) = rest.chars().next() {
         let after = rest.get(character.len_utf8()..).unwrap_or("");
@@ -147,7 +150,7 @@ fn parse(text: &str, input: bool) -> Outcome<Format> {
             }
             ('!', Some('(')) => {
                 let Some(end) = after.find(')') else {
-                    return Err(Fault::new(Number::BAD_FORMAT, "a `!(` of this format is not closed"));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_FORMAT, "a `!(` of this format is not closed"));
                 };
                 let inner = after.get(1..end).unwrap_or("");
                 format.code(code(inner, input)?);
@@ -158,13 +161,17 @@ fn parse(text: &str, input: bool) -> Outcome<Format> {
                 let letter = after.chars().nth(1).map(|c| c.to_ascii_uppercase()).filter(|c| LETTERS.contains(*c));
                 let Some(letter) = letter else {
                     let message = format!("`!{sign}` is followed by one of the letters {LETTERS}");
-                    return Err(Fault::new(Number::BAD_FORMAT, message));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_FORMAT, message));
                 };
-                format.code(Code::Register { register: Register::Letter(letter), word: sign == '@', argument: false });
+                format.code(FormatCode::Register {
+                    register: FormatRegister::Letter(letter),
+                    word: sign == '@',
+                    argument: false,
+                });
                 rest = after.get(2..).unwrap_or("");
                 continue;
             }
-            ('^', _) => format.code(Code::Character),
+            ('^', _) => format.code(FormatCode::Character),
             _ => format.literal(character),
         }
         rest = after;
@@ -172,11 +179,11 @@ fn parse(text: &str, input: bool) -> Outcome<Format> {
     Ok(format)
 }
 
-fn bad(inner: &str) -> Fault {
-    Fault::new(Number::BAD_FORMAT, format!("`!({inner})` is not a format code"))
+fn bad(inner: &str) -> MacroFault {
+    MacroFault::new(DiagnosticNumber::BAD_FORMAT, format!("`!({inner})` is not a format code"))
 }
 
-fn code(inner: &str, input: bool) -> Outcome<Code> {
+fn code(inner: &str, input: bool) -> Outcome<FormatCode> {
     let squeezed: String = inner.chars().filter(|c| !c.is_whitespace()).collect();
     let mut characters = squeezed.chars();
     let first = characters.next().ok_or_else(|| bad(inner))?;
@@ -184,24 +191,24 @@ fn code(inner: &str, input: bool) -> Outcome<Code> {
     let lower = first.is_ascii_lowercase();
     let width = || number(rest).filter(|width| *width <= WIDEST).ok_or_else(|| bad(inner));
     Ok(match first {
-        '*' if rest.is_empty() => Code::Any,
-        'A' | 'a' => Code::Text { width: width()?, lower },
-        'M' | 'm' => Code::Minor { width: width()?, lower },
-        'R' | 'r' => Code::Record { width: width()?, lower },
-        'L' | 'l' => Code::Logical { width: width()?, lower },
-        'T' | 't' => Code::Column { column: width()?.max(1), back: lower },
-        'X' | 'x' if input => Code::Skip(width()?.max(1)),
+        '*' if rest.is_empty() => FormatCode::Any,
+        'A' | 'a' => FormatCode::Text { width: width()?, lower },
+        'M' | 'm' => FormatCode::Minor { width: width()?, lower },
+        'R' | 'r' => FormatCode::Record { width: width()?, lower },
+        'L' | 'l' => FormatCode::Logical { width: width()?, lower },
+        'T' | 't' => FormatCode::Column { column: width()?.max(1), back: lower },
+        'X' | 'x' if input => FormatCode::Skip(width()?.max(1)),
         '@' | '#' => {
             let register = match (number(rest), rest.chars().next()) {
-                (Some(index @ 1..=99), _) => Register::Index(u8::try_from(index).unwrap_or(0)),
+                (Some(index @ 1..=99), _) => FormatRegister::Index(u8::try_from(index).unwrap_or(0)),
                 (None, Some(letter)) if rest.len() == 1 && LETTERS.contains(letter.to_ascii_uppercase()) => {
-                    Register::Letter(letter.to_ascii_uppercase())
+                    FormatRegister::Letter(letter.to_ascii_uppercase())
                 }
                 _ => return Err(bad(inner)),
             };
-            Code::Register { register, word: first == '@', argument: true }
+            FormatCode::Register { register, word: first == '@', argument: true }
         }
-        _ => Code::Number(numeric(&squeezed).ok_or_else(|| bad(inner))?),
+        _ => FormatCode::Number(numeric(&squeezed).ok_or_else(|| bad(inner))?),
     })
 }
 
@@ -217,10 +224,10 @@ fn number(text: &str) -> Option<usize> {
 fn numeric(text: &str) -> Option<Numeric> {
     let mut characters = text.chars().map(|c| c.to_ascii_lowercase()).peekable();
     let style = match characters.peek()? {
-        'v' => Style::Variable,
-        'f' => Style::Fixed,
-        'x' => Style::Signed,
-        _ => Style::Variable,
+        'v' => ColumnStyle::Variable,
+        'f' => ColumnStyle::Fixed,
+        'x' => ColumnStyle::Signed,
+        _ => ColumnStyle::Variable,
     };
     characters.next_if(|c| matches!(c, 'v' | 'f' | 'x'));
     let plus = characters.next_if_eq(&'+').is_some();
@@ -233,9 +240,9 @@ fn numeric(text: &str) -> Option<Numeric> {
         characters.next_if_eq(&'2')?;
     }
     let point = match characters.next_if(|c| matches!(c, '.' | 'f')) {
-        Some('.') => Point::Always,
-        Some(_) => Point::WithFraction,
-        None => Point::Implied,
+        Some('.') => PointStyle::Always,
+        Some(_) => PointStyle::WithFraction,
+        None => PointStyle::Implied,
     };
     let fraction = digit(characters.next_if(char::is_ascii_digit));
     let trail = zeros(&mut characters);
@@ -255,10 +262,10 @@ fn numeric(text: &str) -> Option<Numeric> {
 }
 
 /// Takes `s` or `e` if it comes next.
-fn zeros(characters: &mut std::iter::Peekable<impl Iterator<Item = char>>) -> Zeros {
+fn zeros(characters: &mut std::iter::Peekable<impl Iterator<Item = char>>) -> ZeroStyle {
     match characters.next_if(|c| matches!(c, 's' | 'e')) {
-        Some('s') => Zeros::Dropped,
-        Some(_) => Zeros::KeepOne,
-        None => Zeros::Shown,
+        Some('s') => ZeroStyle::Dropped,
+        Some(_) => ZeroStyle::KeepOne,
+        None => ZeroStyle::Shown,
     }
 }

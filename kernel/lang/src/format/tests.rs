@@ -1,30 +1,30 @@
 use super::*;
-use crate::value::{Record, Value};
+use crate::value::{MacroValue, RecordName};
 
 struct NoRegisters;
 
-impl Registers for NoRegisters {
+impl RegisterHost for NoRegisters {
     fn code_name(&self, code: u32) -> String {
         format!("CODE_{code}")
     }
     fn register_name(&self, register: u32) -> String {
         format!("REG_{register}")
     }
-    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
-        let Register::Letter(letter) = register else { return None };
+    fn register_text(&mut self, register: FormatRegister, value: Option<f64>, word: bool) -> Option<String> {
+        let FormatRegister::Letter(letter) = register else { return None };
         let value = wildcard_text(value.unwrap_or(7.0));
         Some(if word { format!("{letter}{value}") } else { value })
     }
 }
 
-fn out(format: &str, arguments: &[Value]) -> String {
+fn out(format: &str, arguments: &[MacroValue]) -> String {
     let mut text = String::new();
-    write(&mut text, &Format::output(format).unwrap(), arguments, &mut NoRegisters).unwrap();
+    write(&mut text, &StringFormat::output(format).unwrap(), arguments, &mut NoRegisters).unwrap();
     text
 }
 
 fn number(format: &str, value: f64) -> String {
-    out(format, &[Value::Real(value)])
+    out(format, &[MacroValue::Real(value)])
 }
 
 #[test]
@@ -89,48 +89,48 @@ fn numeric_forms_of_the_reference() {
 fn texts_words_columns_and_characters() {
     assert_eq!(out("a!!b^^c", &[]), "a!b^c");
     assert_eq!(
-        out("^^!(A3)|!(A)|!(a5)|", &[Value::text("ABCDE"), Value::text("X"), Value::text("Y")]),
+        out("^^!(A3)|!(A)|!(a5)|", &[MacroValue::text("ABCDE"), MacroValue::text("X"), MacroValue::text("Y")]),
         "^ABC|X|y    |"
     );
-    assert_eq!(out("^x", &[Value::Real(65.0)]), "Ax");
-    assert_eq!(out("!(M)!(m4)|", &[Value::Keyword(71), Value::Keyword(72)]), "ONoff |");
-    assert_eq!(out("!(M)", &[Value::Keyword(999)]), "#999");
-    assert_eq!(out("!(R)", &[Value::Record(Record { class: 2000, subclass: 1030 })]), "COOLNT");
-    assert_eq!(out("!(L)!(l)", &[Value::Logical(true), Value::Logical(false)]), "TRUEfalse");
+    assert_eq!(out("^x", &[MacroValue::Real(65.0)]), "Ax");
+    assert_eq!(out("!(M)!(m4)|", &[MacroValue::Keyword(71), MacroValue::Keyword(72)]), "ONoff |");
+    assert_eq!(out("!(M)", &[MacroValue::Keyword(999)]), "#999");
+    assert_eq!(out("!(R)", &[MacroValue::Record(RecordName { class: 2000, subclass: 1030 })]), "COOLNT");
+    assert_eq!(out("!(L)!(l)", &[MacroValue::Logical(true), MacroValue::Logical(false)]), "TRUEfalse");
     assert_eq!(out("Tool 12:!(T14)x", &[]), "Tool 12:     x");
     assert_eq!(out("abcdef!(T3)x!(t3)y", &[]), "aby");
-    assert_eq!(out("!@X !#X !(@Y) !(#Y)", &[Value::Real(1.5), Value::Real(2.0)]), "X7 7 Y1.5 2");
+    assert_eq!(out("!@X !#X !(@Y) !(#Y)", &[MacroValue::Real(1.5), MacroValue::Real(2.0)]), "X7 7 Y1.5 2");
 }
 
 #[test]
 fn the_wildcard_takes_everything() {
-    let all = Value::sequence(vec![
-        Value::Real(1.5),
-        Value::Keyword(24),
-        Value::text("a b"),
-        Value::Logical(true),
-        Value::Null,
-        Value::Code(3),
+    let all = MacroValue::sequence(vec![
+        MacroValue::Real(1.5),
+        MacroValue::Keyword(24),
+        MacroValue::text("a b"),
+        MacroValue::Logical(true),
+        MacroValue::Null,
+        MacroValue::Code(3),
     ]);
     assert_eq!(out("!(*)", &[all]), "<1.5,RIGHT,a b,TRUE,$NULL,CODE_3>");
-    assert_eq!(out("!(*)", &[Value::sequence(vec![])]), "<>");
+    assert_eq!(out("!(*)", &[MacroValue::sequence(vec![])]), "<>");
 }
 
 #[test]
 fn what_does_not_fit_is_told() {
     for text in ["!(", "!(Q)", "!(9.9.9)", "!@q", "!(s)", "!(@100)", "!(5:3)", "!()"] {
-        assert!(Format::output(text).is_err(), "{text}");
+        assert!(StringFormat::output(text).is_err(), "{text}");
     }
-    let format = Format::output("!(*)").unwrap();
+    let format = StringFormat::output("!(*)").unwrap();
     assert!(write(&mut String::new(), &format, &[], &mut NoRegisters).is_err());
-    let format = Format::output("!(s5)").unwrap();
-    assert!(write(&mut String::new(), &format, &[Value::text("x")], &mut NoRegisters).is_err());
+    let format = StringFormat::output("!(s5)").unwrap();
+    assert!(write(&mut String::new(), &format, &[MacroValue::text("x")], &mut NoRegisters).is_err());
 }
 
 fn input(format: &str, line: &str) -> String {
-    let (values, good) = read(&Format::input(format).unwrap(), line);
+    let (values, good) = read(&StringFormat::input(format).unwrap(), line);
     let mut text = String::from(if good { "" } else { "bad " });
-    any(&mut text, &Value::sequence(values), &NoRegisters);
+    any(&mut text, &MacroValue::sequence(values), &NoRegisters);
     text
 }
 

@@ -1,9 +1,9 @@
 //! Dates: the codes of C, with hundredths of a second as `%s` and zone names as `%z` and `%Z`.
 
-use super::{Context, number, string};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::value::Value;
+use super::{FunctionContext, number, string};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::value::MacroValue;
 use std::fmt::Write as _;
 
 const MONTHS: [&str; 12] = [
@@ -93,20 +93,21 @@ fn name(names: &[&'static str], at: i64) -> &'static str {
     usize::try_from(at).ok().and_then(|at| names.get(at)).copied().unwrap_or("")
 }
 
-pub(super) fn date(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn date(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let format = string(arguments, 0)?;
     let (now, offset, zone) = context.host.now();
     let seconds = match arguments.get(1) {
         None => now + f64::from(offset),
-        Some(Value::Text(text)) => parsed(text)
-            .ok_or_else(|| Fault::new(Number::TYPE_MISMATCH, "this is not a date of the form dd-mmm-yyyy hh:mm:ss"))?,
+        Some(MacroValue::Text(text)) => parsed(text).ok_or_else(|| {
+            MacroFault::new(DiagnosticNumber::TYPE_MISMATCH, "this is not a date of the form dd-mmm-yyyy hh:mm:ss")
+        })?,
         Some(_) => number(arguments, 1)? + f64::from(offset),
     };
     let mut out = String::new();
     context.state.spend(format.len() / 16)?;
     write(&mut out, format, &moment(seconds), &zone);
     context.state.check_text(out.len())?;
-    Ok(Value::text(out))
+    Ok(MacroValue::text(out))
 }
 
 fn write(out: &mut String, format: &str, at: &Moment, zone: &str) {
@@ -173,9 +174,9 @@ pub fn stamp(now: f64, offset: i32) -> String {
     out
 }
 
-pub(super) fn time_text(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn time_text(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (_, offset, zone) = context.host.now();
     let mut out = String::new();
     write(&mut out, "%d-%m-%Y %H:%M:%S", &moment(number(arguments, 0)? + f64::from(offset)), &zone);
-    Ok(Value::text(out))
+    Ok(MacroValue::text(out))
 }

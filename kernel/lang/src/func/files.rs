@@ -1,22 +1,22 @@
 //! Names of files, command lines, settings, sorting.
 
-use super::{Context, count, number, real, string};
+use super::{FunctionContext, count, number, real, string};
 use crate::fault::Outcome;
 use crate::host::HostFn;
 use crate::ident;
-use crate::value::{Kind, Value};
+use crate::value::{MacroValue, ValueType};
 use std::cmp::Ordering;
 
-pub(super) fn at_end(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn at_end(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     if arguments.is_empty() {
         return context.host.function(context.state, HostFn::EndOfProgram, arguments);
     }
-    context.state.unit_at_end(number(arguments, 0)?).map(Value::Logical)
+    context.state.unit_at_end(number(arguments, 0)?).map(MacroValue::Logical)
 }
 
 const SEPARATORS: [char; 2] = ['/', '\\'];
 
-pub(super) fn base_name(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn base_name(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let path = string(arguments, 0)?;
     let mut name = path.rsplit(SEPARATORS).next().unwrap_or(path);
     if arguments.len() > 1
@@ -24,16 +24,16 @@ pub(super) fn base_name(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Val
     {
         name = name.get(..at).unwrap_or(name);
     }
-    Ok(Value::text(name))
+    Ok(MacroValue::text(name))
 }
 
-pub(super) fn directory(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn directory(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let path = string(arguments, 0)?;
-    Ok(Value::text(path.rfind(SEPARATORS).and_then(|at| path.get(..at)).unwrap_or("")))
+    Ok(MacroValue::text(path.rfind(SEPARATORS).and_then(|at| path.get(..at)).unwrap_or("")))
 }
 
 /// Arguments of a text, or of the command line the host knows.
-fn split(context: &mut Context<'_>, arguments: &[Value], position: usize) -> Outcome<Vec<String>> {
+fn split(context: &mut FunctionContext<'_>, arguments: &[MacroValue], position: usize) -> Outcome<Vec<String>> {
     let text = match arguments.get(position) {
         Some(_) => string(arguments, position)?.to_owned(),
         None => context.host.setting(false, "$PARAM").unwrap_or_default(),
@@ -72,15 +72,15 @@ fn split(context: &mut Context<'_>, arguments: &[Value], position: usize) -> Out
     Ok(parts)
 }
 
-pub(super) fn argument_count(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn argument_count(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     Ok(real(split(context, arguments, 0)?.len()))
 }
 
-pub(super) fn argument(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn argument(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let parts = split(context, arguments, 1)?;
     let position = number(arguments, 0)?;
     let found = if position >= 1.0 { parts.get(count(position) - 1) } else { None };
-    Ok(Value::text(found.map(String::as_str).unwrap_or("")))
+    Ok(MacroValue::text(found.map(String::as_str).unwrap_or("")))
 }
 
 fn qualifier(text: &str) -> Option<(&str, &str)> {
@@ -88,38 +88,38 @@ fn qualifier(text: &str) -> Option<(&str, &str)> {
     Some(rest.split_once('=').unwrap_or((rest, "")))
 }
 
-pub(super) fn qualifier_name(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::text(qualifier(string(arguments, 0)?).map_or("", |(name, _)| name)))
+pub(super) fn qualifier_name(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::text(qualifier(string(arguments, 0)?).map_or("", |(name, _)| name)))
 }
 
-pub(super) fn qualifier_value(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn qualifier_value(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let text = string(arguments, 0)?;
-    Ok(Value::text(qualifier(text).map_or(text, |(_, value)| value).replace('"', "")))
+    Ok(MacroValue::text(qualifier(text).map_or(text, |(_, value)| value).replace('"', "")))
 }
 
-fn setting(context: &Context<'_>, definition: bool, arguments: &[Value]) -> Outcome<Value> {
-    Ok(context.host.setting(definition, string(arguments, 0)?).map_or(Value::Null, Value::text))
+fn setting(context: &FunctionContext<'_>, definition: bool, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(context.host.setting(definition, string(arguments, 0)?).map_or(MacroValue::Null, MacroValue::text))
 }
 
-pub(super) fn environment(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn environment(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     setting(context, false, arguments)
 }
 
-pub(super) fn definition(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn definition(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     setting(context, true, arguments)
 }
 
 /// Sorts a sequence, optionally as rows of several columns, or a file into another one.
-pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    let Some(Value::Sequence(all)) = arguments.first() else { return super::sort::file(context, arguments) };
+pub(super) fn sort(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    let Some(MacroValue::Sequence(all)) = arguments.first() else { return super::sort::file(context, arguments) };
     let width = if arguments.len() > 1 { count(number(arguments, 1)?).max(1) } else { 1 };
     let mut keys = Vec::new();
     for pair in arguments.get(2..).unwrap_or(&[]).chunks(2) {
-        let field = pair.first().and_then(Value::as_real).map_or(0, count);
-        let down = matches!(pair.get(1), Some(Value::Keyword(code)) if ident::minor_name(*code) == Some("DECR"));
+        let field = pair.first().and_then(MacroValue::as_real).map_or(0, count);
+        let down = matches!(pair.get(1), Some(MacroValue::Keyword(code)) if ident::minor_name(*code) == Some("DECR"));
         if field < 1 || field > width {
             context.state.status = 22;
-            return Ok(Value::Null);
+            return Ok(MacroValue::Null);
         }
         keys.push((field - 1, down));
     }
@@ -128,7 +128,7 @@ pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
     }
     if all.len() % width != 0 {
         context.state.status = 22;
-        return Ok(Value::Null);
+        return Ok(MacroValue::Null);
     }
     // Every row meets about as many others as its number has bits.
     let rounds = (all.len() / width).max(1).ilog2() as usize + 1;
@@ -136,7 +136,7 @@ pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
         crate::state::pay_to_look_inside(context.state, all)?;
     }
     context.state.spend((all.len() / width).saturating_mul(keys.len()).saturating_mul(rounds) / 4)?;
-    let mut rows: Vec<&[Value]> = all.chunks(width).collect();
+    let mut rows: Vec<&[MacroValue]> = all.chunks(width).collect();
     rows.sort_by(|a, b| {
         keys.iter().fold(Ordering::Equal, |order, (field, down)| {
             let one = || match (a.get(*field), b.get(*field)) {
@@ -147,11 +147,11 @@ pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
         })
     });
     context.state.status = 0;
-    Ok(Value::sequence(rows.concat()))
+    Ok(MacroValue::sequence(rows.concat()))
 }
 
 /// Order of values of different types.
-fn rank(value: &Value) -> usize {
+fn rank(value: &MacroValue) -> usize {
     let kind = value.kind();
-    kind.and_then(|kind| Kind::ALL.iter().position(|other| *other == kind)).map_or(0, |at| at + 1)
+    kind.and_then(|kind| ValueType::ALL.iter().position(|other| *other == kind)).map_or(0, |at| at + 1)
 }

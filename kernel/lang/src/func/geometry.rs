@@ -1,9 +1,9 @@
 //! Points, lines, planes, cylinders; a figure that cannot be constructed is `$NULL`.
 
 use super::vector::{along, cross, dot, norm, normalised};
-use super::{Context, number, numbers};
+use super::{FunctionContext, number, numbers};
 use crate::fault::Outcome;
-use crate::value::Value;
+use crate::value::MacroValue;
 
 const SMALL: f64 = 1e-12;
 
@@ -12,7 +12,7 @@ fn triple(values: &[f64], from: usize) -> Option<[f64; 3]> {
     values.get(from..from + 3)?.try_into().ok()
 }
 
-fn point(arguments: &[Value], position: usize) -> Outcome<Option<[f64; 3]>> {
+fn point(arguments: &[MacroValue], position: usize) -> Outcome<Option<[f64; 3]>> {
     Ok(triple(&numbers(arguments, position)?, 0))
 }
 
@@ -20,12 +20,12 @@ fn minus(a: [f64; 3], b: [f64; 3]) -> Vec<f64> {
     along(&a, &b, -1.0)
 }
 
-fn or_null(value: Option<Vec<f64>>) -> Outcome<Value> {
+fn or_null(value: Option<Vec<f64>>) -> Outcome<MacroValue> {
     let good = value.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
-    Ok(good.map_or(Value::Null, |numbers| Value::numbers(&numbers)))
+    Ok(good.map_or(MacroValue::Null, |numbers| MacroValue::numbers(&numbers)))
 }
 
-pub(super) fn cylinder_through_points(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn cylinder_through_points(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b, c) = (point(arguments, 0)?, point(arguments, 1)?, point(arguments, 2)?);
     or_null((|| {
         let (a, b, c) = (a?, b?, c?);
@@ -46,7 +46,7 @@ pub(super) fn cylinder_through_points(_: &mut Context<'_>, arguments: &[Value]) 
     })())
 }
 
-pub(super) fn line_and_plane(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn line_and_plane(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (line, plane) = (numbers(arguments, 0)?, numbers(arguments, 1)?);
     or_null((|| {
         let (start, way, normal) = (triple(&line, 0)?, triple(&line, 3)?, triple(&plane, 1)?);
@@ -86,7 +86,7 @@ fn crossings(start: [f64; 3], way: &[f64], (a, b, c): (f64, f64, f64)) -> Vec<f6
     [vec![count, place], result].concat()
 }
 
-pub(super) fn segment_and_cylinder(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn segment_and_cylinder(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (p1, p2, third) = (point(arguments, 0)?, point(arguments, 1)?, numbers(arguments, 2)?);
     let (axis, radius) = if arguments.len() > 4 {
         (point(arguments, 3)?, Some(number(arguments, 4)?))
@@ -107,7 +107,7 @@ pub(super) fn segment_and_cylinder(_: &mut Context<'_>, arguments: &[Value]) -> 
     })())
 }
 
-pub(super) fn segment_and_sphere(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn segment_and_sphere(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (p1, p2, centre) = (point(arguments, 0)?, point(arguments, 1)?, point(arguments, 2)?);
     let radius = number(arguments, 3)?;
     or_null((|| {
@@ -127,17 +127,17 @@ fn plane(at: [f64; 3], normal: &[f64]) -> Option<Vec<f64>> {
     Some(result)
 }
 
-pub(super) fn plane_through_points(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn plane_through_points(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b, c) = (point(arguments, 0)?, point(arguments, 1)?, point(arguments, 2)?);
     or_null((|| plane(a?, &cross(&minus(b?, a?), &minus(c?, a?))))())
 }
 
-pub(super) fn plane_with_normal(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn plane_with_normal(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (at, normal) = (point(arguments, 0)?, point(arguments, 1)?);
     or_null((|| plane(at?, &normal?))())
 }
 
-pub(super) fn projection(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn projection(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (p, second) = (point(arguments, 0)?, numbers(arguments, 1)?);
     let normal = if arguments.len() > 2 { point(arguments, 2)? } else { triple(&second, 1) };
     or_null((|| {

@@ -1,8 +1,8 @@
 //! Arithmetic; the angles come from one library so that every machine gives the same bits.
 
-use super::{Context, impossible, number};
+use super::{FunctionContext, impossible, number};
 use crate::fault::Outcome;
-use crate::value::Value;
+use crate::value::MacroValue;
 
 const RADIAN: f64 = std::f64::consts::PI / 180.0;
 
@@ -68,12 +68,12 @@ pub(super) fn direction(y: f64, x: f64) -> f64 {
     if degrees <= -180.0 { 180.0 } else { degrees }
 }
 
-pub(super) fn arc_tangent_of_two(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn arc_tangent_of_two(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (y, x) = (number(arguments, 0)?, number(arguments, 1)?);
     if x == 0.0 && y == 0.0 {
         return impossible("$FATAN2 has no result for two zeros");
     }
-    Ok(Value::Real(direction(y, x)))
+    Ok(MacroValue::Real(direction(y, x)))
 }
 
 /// The remainder of two whole numbers, which takes no library; the sign is that of `a`.
@@ -86,35 +86,35 @@ pub(super) fn quick_remainder(a: f64, b: f64) -> Option<f64> {
     (b != 0.0).then(|| a % b)
 }
 
-pub(super) fn remainder(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn remainder(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b) = (number(arguments, 0)?, number(arguments, 1)?);
     if b == 0.0 {
         return impossible("$FMOD divides by zero");
     }
-    Ok(Value::Real(a % b))
+    Ok(MacroValue::Real(a % b))
 }
 
-fn fold(arguments: &[Value], choose: fn(f64, f64) -> f64) -> Outcome<Value> {
+fn fold(arguments: &[MacroValue], choose: fn(f64, f64) -> f64) -> Outcome<MacroValue> {
     let mut result = number(arguments, 0)?;
     for position in 1..arguments.len() {
         result = choose(result, number(arguments, position)?);
     }
-    Ok(Value::Real(result))
+    Ok(MacroValue::Real(result))
 }
 
-pub(super) fn largest(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn largest(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     fold(arguments, f64::max)
 }
 
-pub(super) fn smallest(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn smallest(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     fold(arguments, f64::min)
 }
 
-pub(super) fn distance(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn distance(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let mut sum = 0.0;
     for axis in 0..3 {
         let difference = number(arguments, axis + 3)? - number(arguments, axis)?;
         sum += difference * difference;
     }
-    Ok(Value::Real(sum.sqrt()))
+    Ok(MacroValue::Real(sum.sqrt()))
 }

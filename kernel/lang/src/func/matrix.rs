@@ -1,12 +1,12 @@
 //! Matrices: sequences of 12 numbers (three rows of rotation and translation) or of n×n numbers by rows.
 
 use super::math::{cosine, sine};
-use super::{Context, impossible, numbers};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::{FunctionContext, impossible, numbers};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 use crate::host::HostFn;
 use crate::ident;
-use crate::value::Value;
+use crate::value::MacroValue;
 
 /// A square matrix; 12 numbers become 4×4.
 #[derive(Clone)]
@@ -30,7 +30,10 @@ impl Matrix {
         }
         match (1..=16).find(|size| size * size == cells.len()) {
             Some(size) => Ok(Matrix { size, cells, short: false }),
-            None => Err(Fault::new(Number::BAD_VECTOR, format!("{} numbers do not make a matrix", cells.len()))),
+            None => Err(MacroFault::new(
+                DiagnosticNumber::BAD_VECTOR,
+                format!("{} numbers do not make a matrix", cells.len()),
+            )),
         }
     }
 
@@ -44,9 +47,9 @@ impl Matrix {
         }
     }
 
-    fn value(&self) -> Value {
+    fn value(&self) -> MacroValue {
         let keep = if self.short { 12 } else { self.cells.len() };
-        Value::numbers(self.cells.get(..keep).unwrap_or(&self.cells))
+        MacroValue::numbers(self.cells.get(..keep).unwrap_or(&self.cells))
     }
 
     fn times(&self, other: &Matrix) -> Matrix {
@@ -114,13 +117,13 @@ impl Matrix {
 }
 
 /// Words and numbers of $FMX in order.
-struct Items<'a>(&'a [Value]);
+struct Items<'a>(&'a [MacroValue]);
 
 impl Items<'_> {
     fn word(&mut self, word: &str) -> bool {
         let found = match self.0.first() {
-            Some(Value::Keyword(code)) => ident::minor_name(*code) == Some(word),
-            Some(Value::Record(record)) => ident::record_name(*record) == Some(word),
+            Some(MacroValue::Keyword(code)) => ident::minor_name(*code) == Some(word),
+            Some(MacroValue::Record(record)) => ident::record_name(*record) == Some(word),
             _ => false,
         };
         if found {
@@ -130,7 +133,7 @@ impl Items<'_> {
     }
 
     fn numbers(&mut self) -> Vec<f64> {
-        let found: Vec<f64> = self.0.iter().map_while(Value::as_real).collect();
+        let found: Vec<f64> = self.0.iter().map_while(MacroValue::as_real).collect();
         self.0 = self.0.get(found.len()..).unwrap_or(&[]);
         found
     }
@@ -138,25 +141,25 @@ impl Items<'_> {
 
 const PLANES: [(&str, (usize, usize)); 3] = [("XYROT", (0, 1)), ("YZROT", (1, 2)), ("ZXROT", (2, 0))];
 
-pub(super) fn build(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn build(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let mut items = Items(arguments);
     let inverse = items.word("INVERS");
     if items.word("MSYS") {
         let last = items.word("LAST");
-        let asked = [Value::Logical(last)];
+        let asked = [MacroValue::Logical(last)];
         let frame = context.host.function(context.state, HostFn::MachineFrame, &asked)?;
         return if inverse { invert(&numbers(&[frame], 0)?) } else { Ok(frame) };
     }
     let first = items.numbers();
     let matrix = if first.len() == 12 { Matrix::new(first)? } else { steps(&first, &mut items)? };
     if !items.0.is_empty() {
-        return Err(Fault::new(Number::TYPE_MISMATCH, "$FMX cannot read the rest of its arguments"));
+        return Err(MacroFault::new(DiagnosticNumber::TYPE_MISMATCH, "$FMX cannot read the rest of its arguments"));
     }
     if inverse { matrix.inverted().map_or_else(singular, |matrix| Ok(matrix.value())) } else { Ok(matrix.value()) }
 }
 
 fn steps(first: &[f64], items: &mut Items<'_>) -> Outcome<Matrix> {
-    let wrong = |what: &str| Err(Fault::new(Number::WRONG_COUNT, format!("$FMX needs {what}")));
+    let wrong = |what: &str| Err(MacroFault::new(DiagnosticNumber::WRONG_COUNT, format!("$FMX needs {what}")));
     if !matches!(first.len(), 0 | 2 | 3) || (first.is_empty() && items.0.is_empty()) {
         return wrong("two or three numbers, twelve, or a rotation");
     }
@@ -186,19 +189,19 @@ fn steps(first: &[f64], items: &mut Items<'_>) -> Outcome<Matrix> {
     Ok(Matrix::shifted(first).times(&matrix))
 }
 
-fn singular() -> Outcome<Value> {
+fn singular() -> Outcome<MacroValue> {
     impossible("this matrix has no inverse")
 }
 
-fn invert(cells: &[f64]) -> Outcome<Value> {
+fn invert(cells: &[f64]) -> Outcome<MacroValue> {
     Matrix::new(cells.to_vec())?.inverted().map_or_else(singular, |matrix| Ok(matrix.value()))
 }
 
-pub(super) fn inverse(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn inverse(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     invert(&numbers(arguments, 0)?)
 }
 
-pub(super) fn transpose(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn transpose(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let matrix = Matrix::new(numbers(arguments, 0)?)?;
     let mut result = matrix.clone();
     let size = if matrix.short { 3 } else { matrix.size };
@@ -210,15 +213,15 @@ pub(super) fn transpose(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Val
     Ok(result.value())
 }
 
-pub(super) fn product(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn product(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b) = (Matrix::new(numbers(arguments, 0)?)?, Matrix::new(numbers(arguments, 1)?)?);
     if a.size != b.size {
-        return Err(Fault::new(Number::BAD_VECTOR, "these matrices have different sizes"));
+        return Err(MacroFault::new(DiagnosticNumber::BAD_VECTOR, "these matrices have different sizes"));
     }
     Ok(a.times(&b).value())
 }
 
-fn transformed(arguments: &[Value], translation: f64) -> Outcome<Value> {
+fn transformed(arguments: &[MacroValue], translation: f64) -> Outcome<MacroValue> {
     let (matrix, input) = (Matrix::new(numbers(arguments, 0)?)?, numbers(arguments, 1)?);
     let homogeneous = matrix.size == 4;
     let size = if homogeneous { 3 } else { matrix.size };
@@ -230,20 +233,20 @@ fn transformed(arguments: &[Value], translation: f64) -> Outcome<Value> {
             *cell += translation * matrix.at(row, 3);
         }
     }
-    Ok(Value::numbers(&result))
+    Ok(MacroValue::numbers(&result))
 }
 
-pub(super) fn point(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn point(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     transformed(arguments, 1.0)
 }
 
-pub(super) fn vector(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn vector(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     transformed(arguments, 0.0)
 }
 
 /// Composition of a linear part, apart from a mirror.
 #[derive(Clone, Copy, PartialEq)]
-enum Shape {
+enum MatrixShape {
     Zero,
     Plain,
     Rotated,
@@ -260,10 +263,10 @@ fn near(a: f64, b: f64) -> bool {
 
 /// Determines the shape of the upper left `size` rows and columns. A half turn is a rotation, and so are three negative
 /// directions: a half turn and a mirror.
-fn shape(matrix: &Matrix, size: usize) -> Shape {
+fn shape(matrix: &Matrix, size: usize) -> MatrixShape {
     let all = |test: &dyn Fn(usize, usize) -> bool| (0..size).all(|r| (0..size).all(|c| test(r, c)));
     if all(&|r, c| near(matrix.at(r, c), 0.0)) {
-        return Shape::Zero;
+        return MatrixShape::Zero;
     }
     let column = |c: usize| (0..size).map(|r| matrix.at(r, c)).collect::<Vec<f64>>();
     let columns: Vec<Vec<f64>> = (0..size).map(column).collect();
@@ -275,14 +278,14 @@ fn shape(matrix: &Matrix, size: usize) -> Shape {
     let straight = all(&|r, c| r == c || near(matrix.at(r, c), 0.0));
     let turned = !straight || (0..size).filter(|at| matrix.at(*at, *at) < 0.0).count() > 1;
     match (turned, pure) {
-        (true, true) => Shape::Rotated,
-        (true, false) => Shape::Mixed,
-        (false, true) => Shape::Plain,
-        (false, false) => Shape::Scaled,
+        (true, true) => MatrixShape::Rotated,
+        (true, false) => MatrixShape::Mixed,
+        (false, true) => MatrixShape::Plain,
+        (false, false) => MatrixShape::Scaled,
     }
 }
 
-pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn kind(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let matrix = Matrix::new(numbers(arguments, 0)?)?;
     let homogeneous = matrix.size == 4;
     let size = if homogeneous { 3 } else { matrix.size };
@@ -291,27 +294,27 @@ pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let mirrored = determinant(&matrix, size) < 0.0;
     // A mirror or a scale cannot be distinguished from a rotation that it is mixed with.
     let rotation = match shape {
-        Shape::Rotated if !mirrored => 100.0,
-        Shape::Rotated | Shape::Mixed => 200.0,
+        MatrixShape::Rotated if !mirrored => 100.0,
+        MatrixShape::Rotated | MatrixShape::Mixed => 200.0,
         _ => 0.0,
     };
     let parts = [
         ("TRANS", if translation { 10.0 } else { 0.0 }),
         ("ROTATE", rotation),
-        ("SCALE", if shape == Shape::Scaled { 1000.0 } else { 0.0 }),
+        ("SCALE", if shape == MatrixShape::Scaled { 1000.0 } else { 0.0 }),
         ("MIRROR", if mirrored && rotation == 0.0 { 10000.0 } else { 0.0 }),
     ];
     let mut wanted = Items(arguments.get(1..).unwrap_or(&[]));
     for (word, part) in parts {
         if wanted.word(word) {
-            return Ok(Value::Real(part));
+            return Ok(MacroValue::Real(part));
         }
     }
     if let Some(other) = arguments.get(1) {
-        return Err(Fault::kind("TRANS, ROTATE, SCALE or MIRROR", other));
+        return Err(MacroFault::kind("TRANS, ROTATE, SCALE or MIRROR", other));
     }
     let sum: f64 = parts.iter().map(|(_, part)| part).sum();
-    Ok(Value::Real(if sum == 0.0 && shape == Shape::Plain { 1.0 } else { sum }))
+    Ok(MacroValue::Real(if sum == 0.0 && shape == MatrixShape::Plain { 1.0 } else { sum }))
 }
 
 fn determinant(matrix: &Matrix, size: usize) -> f64 {

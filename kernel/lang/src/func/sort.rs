@@ -5,10 +5,10 @@
 //! field that a line does not have is empty, and 0 as a number; without delimiters fields are divided by runs of
 //! blanks, every character of a delimiter text divides on its own.
 
-use super::{Context, convert, count, string};
-use crate::fault::{Fault, Outcome};
+use super::{FunctionContext, convert, count, string};
+use crate::fault::{MacroFault, Outcome};
 use crate::ident;
-use crate::value::Value;
+use crate::value::MacroValue;
 use std::cmp::Ordering;
 
 const CANNOT_READ: i32 = 2;
@@ -16,7 +16,7 @@ const CANNOT_WRITE: i32 = 5;
 const BAD_ARGUMENTS: i32 = 22;
 
 /// A field to sort by.
-struct Key {
+struct SortKey {
     /// Position, from 0.
     field: usize,
     number: bool,
@@ -24,7 +24,7 @@ struct Key {
 }
 
 /// The keys after the file names and the delimiters; none if they make no sense.
-fn keys(arguments: &[Value]) -> Option<Vec<Key>> {
+fn keys(arguments: &[MacroValue]) -> Option<Vec<SortKey>> {
     arguments
         .chunks(3)
         .map(|chunk| {
@@ -35,13 +35,13 @@ fn keys(arguments: &[Value]) -> Option<Vec<Key>> {
                 "S" => false,
                 _ => return None,
             };
-            let Value::Keyword(code) = order else { return None };
+            let MacroValue::Keyword(code) = order else { return None };
             let down = match ident::minor_name(*code) {
                 Some("DECR") => true,
                 Some("INCR") => false,
                 _ => return None,
             };
-            Some(Key { field, number, down })
+            Some(SortKey { field, number, down })
         })
         .collect()
 }
@@ -54,7 +54,7 @@ fn field<'a>(line: &'a str, delimiters: Option<&str>, at: usize) -> &'a str {
     found.unwrap_or("")
 }
 
-fn compare(a: &str, b: &str, delimiters: Option<&str>, keys: &[Key]) -> Ordering {
+fn compare(a: &str, b: &str, delimiters: Option<&str>, keys: &[SortKey]) -> Ordering {
     if keys.is_empty() {
         return a.cmp(b);
     }
@@ -68,14 +68,14 @@ fn compare(a: &str, b: &str, delimiters: Option<&str>, keys: &[Key]) -> Ordering
 }
 
 /// Sorts the lines of one file into another one; returns their number.
-pub(super) fn file(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn file(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let [input, output, rest @ ..] = arguments else {
-        return Err(Fault::kind("a sequence, or two file names", arguments.first().unwrap_or(&Value::Unset)));
+        return Err(MacroFault::kind("a sequence, or two file names", arguments.first().unwrap_or(&MacroValue::Unset)));
     };
     let (input, output) = match (input.as_text(), output.as_text()) {
         (Some(input), Some(output)) => (input, output),
-        (None, _) => return Err(Fault::kind("a sequence or a file name", input)),
-        _ => return Err(Fault::kind("a file name", output)),
+        (None, _) => return Err(MacroFault::kind("a sequence or a file name", input)),
+        _ => return Err(MacroFault::kind("a file name", output)),
     };
     let delimiters = rest.first().and_then(|_| string(rest, 0).ok());
     let keys = keys(rest.get(usize::from(delimiters.is_some())..).unwrap_or(&[]));
@@ -91,14 +91,14 @@ pub(super) fn file(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
         None => BAD_ARGUMENTS,
     };
     context.state.status = status;
-    Ok(Value::Real(-1.0))
+    Ok(MacroValue::Real(-1.0))
 }
 
 fn sorted(
-    context: &mut Context<'_>,
+    context: &mut FunctionContext<'_>,
     (input, output): (&str, &str),
     delimiters: Option<&str>,
-    keys: &[Key],
+    keys: &[SortKey],
 ) -> Outcome<Result<usize, i32>> {
     for path in [input, output] {
         let status = context.host.may_open(context.state, path);

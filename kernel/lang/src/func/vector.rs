@@ -1,10 +1,10 @@
 //! Vectors: sequences of numbers.
 
 use super::math::{cosine, direction, sine};
-use super::{Context, number, numbers};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::value::Value;
+use super::{FunctionContext, number, numbers};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::value::MacroValue;
 
 /// Scalar product over the common length.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -37,60 +37,60 @@ pub(super) fn normalised(a: &[f64]) -> Vec<f64> {
     if length == 0.0 { a.to_vec() } else { a.iter().map(|x| x / length).collect() }
 }
 
-pub(super) fn add(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::numbers(&along(&numbers(arguments, 0)?, &numbers(arguments, 1)?, 1.0)))
+pub(super) fn add(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::numbers(&along(&numbers(arguments, 0)?, &numbers(arguments, 1)?, 1.0)))
 }
 
-pub(super) fn subtract(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::numbers(&along(&numbers(arguments, 0)?, &numbers(arguments, 1)?, -1.0)))
+pub(super) fn subtract(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::numbers(&along(&numbers(arguments, 0)?, &numbers(arguments, 1)?, -1.0)))
 }
 
-pub(super) fn multiply(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn multiply(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let factor = number(arguments, 1)?;
     let scaled: Vec<f64> = numbers(arguments, 0)?.iter().map(|x| x * factor).collect();
-    Ok(Value::numbers(&scaled))
+    Ok(MacroValue::numbers(&scaled))
 }
 
-pub(super) fn dot_product(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::Real(dot(&numbers(arguments, 0)?, &numbers(arguments, 1)?)))
+pub(super) fn dot_product(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::Real(dot(&numbers(arguments, 0)?, &numbers(arguments, 1)?)))
 }
 
-pub(super) fn length(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::Real(norm(&numbers(arguments, 0)?)))
+pub(super) fn length(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::Real(norm(&numbers(arguments, 0)?)))
 }
 
-pub(super) fn unit(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::numbers(&normalised(&numbers(arguments, 0)?)))
+pub(super) fn unit(_: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
+    Ok(MacroValue::numbers(&normalised(&numbers(arguments, 0)?)))
 }
 
 /// A warning, and `$NULL` as the result.
-fn impossible_size(context: &mut Context<'_>) -> Outcome<Value> {
-    context.state.warn(Fault::new(Number::BAD_VECTOR, "both vectors must have two or three elements"));
-    Ok(Value::Null)
+fn impossible_size(context: &mut FunctionContext<'_>) -> Outcome<MacroValue> {
+    context.state.warn(MacroFault::new(DiagnosticNumber::BAD_VECTOR, "both vectors must have two or three elements"));
+    Ok(MacroValue::Null)
 }
 
 fn unsigned_angle(a: &[f64], b: &[f64]) -> f64 {
     direction(norm(&cross(a, b)), dot(a, b))
 }
 
-pub(super) fn angle(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn angle(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b) = (numbers(arguments, 0)?, numbers(arguments, 1)?);
     match (a.len(), b.len()) {
         (2, 2) => {
             let [.., z] = cross(&a, &b);
-            Ok(Value::Real(direction(z, dot(&a, &b))))
+            Ok(MacroValue::Real(direction(z, dot(&a, &b))))
         }
-        (3, 3) => Ok(Value::Real(unsigned_angle(&a, &b))),
+        (3, 3) => Ok(MacroValue::Real(unsigned_angle(&a, &b))),
         _ => impossible_size(context),
     }
 }
 
-pub(super) fn cross_product(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn cross_product(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (a, b) = (numbers(arguments, 0)?, numbers(arguments, 1)?);
     if a.len() != b.len() || !matches!(a.len(), 2 | 3) {
         return impossible_size(context);
     }
-    Ok(Value::numbers(&cross(&a, &b)))
+    Ok(MacroValue::numbers(&cross(&a, &b)))
 }
 
 /// Turns `v` about `axis` counter-clockwise.
@@ -110,14 +110,14 @@ fn three(mut v: Vec<f64>) -> Option<(Vec<f64>, usize)> {
 }
 
 /// As many elements as came in, unless the vector was turned out of the plane: then all three.
-fn as_long(result: &[f64], length: usize) -> Value {
+fn as_long(result: &[f64], length: usize) -> MacroValue {
     let (kept, rest) = result.split_at_checked(length).unwrap_or((result, &[]));
-    Value::numbers(if rest.iter().all(|part| *part == 0.0) { kept } else { result })
+    MacroValue::numbers(if rest.iter().all(|part| *part == 0.0) { kept } else { result })
 }
 
 /// The fraction 1 or −1 gives the direction of the second vector, for any angle; a negative fraction goes in the
 /// opposite direction.
-pub(super) fn turn_toward(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn turn_toward(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (Some((a, length)), Some((b, _))) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?)) else {
         return impossible_size(context);
     };
@@ -134,7 +134,7 @@ pub(super) fn turn_toward(context: &mut Context<'_>, arguments: &[Value]) -> Out
     Ok(as_long(&result, length))
 }
 
-pub(super) fn turn_about(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn turn_about(context: &mut FunctionContext<'_>, arguments: &[MacroValue]) -> Outcome<MacroValue> {
     let (Some((v, length)), Some((axis, _))) = (three(numbers(arguments, 1)?), three(numbers(arguments, 2)?)) else {
         return impossible_size(context);
     };

@@ -1,23 +1,23 @@
 //! Commands of macros for the NC program and its blocks.
 
 use crate::fault::Outcome;
-use crate::format::Registers;
-use crate::state::State;
-use crate::value::Value;
+use crate::format::RegisterHost;
+use crate::state::MacroState;
+use crate::value::MacroValue;
 
 /// A command for the host.
 #[derive(Debug)]
-pub enum Command<'a> {
+pub enum HostCommand<'a> {
     /// MATCH/ON, OFF
     Match(bool),
     /// Switches MATCH on, at the start and after the end of a user function.
     MatchAgain,
     /// OUTPUT, with the arguments of the macro as they are now: number and value.
-    Output(&'a [(u8, Value)]),
+    Output(&'a [(u8, MacroValue)]),
     /// EXEC of a block; the flag is NOW.
     ExecBlock(bool, &'a str),
     /// EXEC of identifiers and values; the flag is NOW.
-    ExecItems(bool, &'a [Value]),
+    ExecItems(bool, &'a [MacroValue]),
     /// TAPERD
     TapeRead,
     /// TAPEWT
@@ -39,10 +39,10 @@ pub enum Command<'a> {
 }
 
 /// The control that executes the commands of macros.
-pub trait Blocks: Registers {
+pub trait CommandHost: RegisterHost {
     /// Executes a command; returns a status for `$ERRNO`.
     ///
     /// # Errors
     /// The command is not available here, or failed.
-    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32>;
+    fn command(&mut self, state: &mut MacroState, command: HostCommand<'_>) -> Outcome<i32>;
 }

@@ -1,11 +1,11 @@
 //! Output of a running macro, and its input from the console.
 
-use crate::diag::Diagnostic;
-use crate::state::State;
+use crate::diag::MacroDiagnostic;
+use crate::state::MacroState;
 
 /// A macro as the trace names it.
 #[derive(Clone, Copy, Debug)]
-pub struct Macro<'a> {
+pub struct TracedMacro<'a> {
     /// Its name.
     pub name: &'a str,
     /// It is a user function.
@@ -15,21 +15,21 @@ pub struct Macro<'a> {
 /// A step of the macro trace. Its text is the line in the documented layout, without the parts that only a control
 /// knows.
 #[derive(Clone, Copy, Debug)]
-pub enum Step<'a> {
+pub enum TraceStep<'a> {
     /// A macro begins.
-    Entering(Macro<'a>),
+    Entering(TracedMacro<'a>),
     /// A statement is about to be executed, in standard style.
-    Statement(Macro<'a>, &'a str),
+    Statement(TracedMacro<'a>, &'a str),
     /// A macro is left; the name of the macro that continues, none for the outermost.
-    Leaving(Macro<'a>, Option<&'a str>),
+    Leaving(TracedMacro<'a>, Option<&'a str>),
 }
 
-impl std::fmt::Display for Step<'_> {
+impl std::fmt::Display for TraceStep<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Step::Entering(code) => write!(f, " Macro:* Entering {}", code.name),
-            Step::Statement(_, text) => write!(f, " Macro:  {text}"),
-            Step::Leaving(code, outer) => {
+            TraceStep::Entering(code) => write!(f, " Macro:* Entering {}", code.name),
+            TraceStep::Statement(_, text) => write!(f, " Macro:  {text}"),
+            TraceStep::Leaving(code, outer) => {
                 write!(f, " Macro:* Leaving {}, Returning to {}", code.name, outer.unwrap_or("regular processing"))
             }
         }
@@ -37,7 +37,7 @@ impl std::fmt::Display for Step<'_> {
 }
 
 /// Console, diagnostics and trace.
-pub trait Dialog {
+pub trait ConsoleHost {
     /// One line from the console.
     fn read_console(&mut self) -> Option<String> {
         None
@@ -50,7 +50,7 @@ pub trait Dialog {
 
     /// Reports a diagnostic of a running macro.
     /// The state is that of the running macro, so that a host may run another one first.
-    fn report(&mut self, state: &mut State, diagnostic: Diagnostic);
+    fn report(&mut self, state: &mut MacroState, diagnostic: MacroDiagnostic);
 
     /// Severity and text of a diagnostic of the host's tables, for `ERROR/number`.
     fn diagnostic(&self, number: u32) -> Option<(u8, String)> {
@@ -59,5 +59,5 @@ pub trait Dialog {
     }
 
     /// Takes one step of the macro trace.
-    fn trace(&mut self, step: Step<'_>);
+    fn trace(&mut self, step: TraceStep<'_>);
 }

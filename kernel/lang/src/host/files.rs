@@ -1,11 +1,11 @@
 //! Files that macros open by unit number.
 
-use crate::state::State;
+use crate::state::MacroState;
 
 /// The host's files.
-pub trait Files {
+pub trait FileHost {
     /// Tells whether a macro may open a file of this name: 0, otherwise the status for `$ERRNO`.
-    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+    fn may_open(&mut self, state: &mut MacroState, path: &str) -> i32 {
         let _ = (state, path);
         0
     }

@@ -6,11 +6,11 @@
 
 mod mru;
 
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 use crate::host::FileFn;
-use crate::state::State;
-use crate::value::Value;
+use crate::state::MacroState;
+use crate::value::MacroValue;
 
 /// Temporary files of one run.
 const MOST_TEMPORARIES: usize = 100;
@@ -30,7 +30,7 @@ pub const INVALID: i32 = 22;
 
 /// Facts of a file or folder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Facts {
+pub struct FileFacts {
     /// Bytes.
     pub size: u64,
     /// Seconds since 1970 of the last access, change of the entry, and change of the content.
@@ -47,7 +47,7 @@ pub struct Facts {
     pub folder: bool,
 }
 
-impl Facts {
+impl FileFacts {
     /// A file in memory that may be read, and written unless it is stored with the machine.
     #[must_use]
     pub fn file(size: usize, stored: bool) -> Self {
@@ -81,7 +81,7 @@ pub trait Shelf {
     ///
     /// # Errors
     /// The status.
-    fn facts(&mut self, path: &str) -> Result<Facts, i32>;
+    fn facts(&mut self, path: &str) -> Result<FileFacts, i32>;
 
     /// Tells whether a file that does not exist could be written; false where its folder is missing.
     fn creatable(&mut self, path: &str) -> bool {
@@ -95,14 +95,14 @@ pub trait Shelf {
 
 /// The state of the file functions of one run.
 #[derive(Clone, Debug, Default)]
-pub struct Folder {
+pub struct MacroFolder {
     /// Current folder below the folder of the run.
     current: String,
     temporaries: Vec<String>,
-    stores: Vec<Option<mru::Store>>,
+    stores: Vec<Option<mru::MruStore>>,
 }
 
-impl Folder {
+impl MacroFolder {
     /// The current folder below the folder of the run, empty for the folder of the run itself.
     #[must_use]
     pub fn path(&self) -> &str {
@@ -132,11 +132,11 @@ impl Folder {
         Some(if parts.is_empty() { ".".to_owned() } else { parts.join("/") })
     }
 
-    /// [`Folder::located`], with a warning for a name that leads out.
-    fn place(&self, state: &mut State, path: &str) -> Result<String, i32> {
+    /// [`MacroFolder::located`], with a warning for a name that leads out.
+    fn place(&self, state: &mut MacroState, path: &str) -> Result<String, i32> {
         self.located(path).ok_or_else(|| {
             let message = format!("'{path}' is outside the folder of the run");
-            state.warn(Fault::new(Number::OUTSIDE, message));
+            state.warn(MacroFault::new(DiagnosticNumber::OUTSIDE, message));
             FORBIDDEN
         })
     }
@@ -171,7 +171,7 @@ impl Folder {
 
     /// Status of opening a file. The file may be missing if it can be created; otherwise it must be a regular file
     /// below the folder of the run.
-    pub fn openable(&self, shelf: &mut dyn Shelf, state: &mut State, path: &str) -> i32 {
+    pub fn openable(&self, shelf: &mut dyn Shelf, state: &mut MacroState, path: &str) -> i32 {
         let found = self.place(state, path).and_then(|place| match shelf.facts(&place) {
             Ok(facts) if facts.folder || facts.allowed & 4 == 0 => Err(FORBIDDEN),
             Ok(_) => Ok(()),
@@ -188,10 +188,10 @@ impl Folder {
     pub fn function(
         &mut self,
         shelf: &mut dyn Shelf,
-        state: &mut State,
-        (function, arguments): (FileFn, &[Value]),
+        state: &mut MacroState,
+        (function, arguments): (FileFn, &[MacroValue]),
         program: &str,
-    ) -> Outcome<Value> {
+    ) -> Outcome<MacroValue> {
         state.spend(FILE_TICKS)?;
         match function {
             FileFn::FileAccess => Ok(self.access(shelf, state, arguments)),
@@ -203,34 +203,34 @@ impl Folder {
         }
     }
 
-    fn access(&self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
-        let mode = arguments.get(1).and_then(Value::as_real).unwrap_or(6.0);
+    fn access(&self, shelf: &mut dyn Shelf, state: &mut MacroState, arguments: &[MacroValue]) -> MacroValue {
+        let mode = arguments.get(1).and_then(MacroValue::as_real).unwrap_or(6.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let wanted = mode.clamp(0.0, 7.0) as u8;
         let found = self.place(state, text(arguments, 0)).and_then(|place| shelf.facts(&place));
-        Value::Logical(found.is_ok_and(|facts| facts.allowed & wanted == wanted))
+        MacroValue::Logical(found.is_ok_and(|facts| facts.allowed & wanted == wanted))
     }
 
-    fn stat(&self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+    fn stat(&self, shelf: &mut dyn Shelf, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         const ITEMS: [&str; 7] = ["mtime", "size", "atime", "ctime", "mode", "owner", "group"];
         let wanted = text(arguments, 1).trim().to_lowercase();
         let Some(item) = ITEMS.into_iter().find(|item| !wanted.is_empty() && item.starts_with(&wanted)) else {
             let message = format!("'{wanted}' is not one of size, atime, ctime, mtime, mode, owner, group");
-            return Err(Fault::new(Number::TYPE_MISMATCH, message));
+            return Err(MacroFault::new(DiagnosticNumber::TYPE_MISMATCH, message));
         };
         let found = self.place(state, text(arguments, 0)).and_then(|place| shelf.facts(&place));
         let facts = match found {
             Ok(facts) => facts,
             Err(status) => {
                 state.status = status;
-                return Ok(Value::Real(-1.0));
+                return Ok(MacroValue::Real(-1.0));
             }
         };
         state.status = 0;
         let [accessed, changed, modified] = facts.times;
         #[allow(clippy::cast_precision_loss)]
         let size = facts.size as f64;
-        Ok(Value::Real(match item {
+        Ok(MacroValue::Real(match item {
             "size" => size,
             "atime" => accessed,
             "ctime" => changed,
@@ -242,12 +242,12 @@ impl Folder {
     }
 
     /// Current folder, `.` for the folder of the run.
-    fn current(&self) -> Value {
-        Value::text(if self.current.is_empty() { "." } else { self.current.as_str() })
+    fn current(&self) -> MacroValue {
+        MacroValue::text(if self.current.is_empty() { "." } else { self.current.as_str() })
     }
 
     /// Names of folders are relative to the folder of the run, so that a result of `$FGETCWD` leads back.
-    fn change(&mut self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
+    fn change(&mut self, shelf: &mut dyn Shelf, state: &mut MacroState, arguments: &[MacroValue]) -> MacroValue {
         let before = std::mem::take(&mut self.current);
         let found = self.place(state, text(arguments, 0)).and_then(|place| match shelf.facts(&place) {
             Ok(facts) if facts.folder => Ok(if place == "." { String::new() } else { place }),
@@ -259,7 +259,7 @@ impl Folder {
         self.current()
     }
 
-    fn temporary(&mut self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
+    fn temporary(&mut self, shelf: &mut dyn Shelf, state: &mut MacroState, arguments: &[MacroValue]) -> MacroValue {
         let content = match arguments.first() {
             Some(_) => self.place(state, text(arguments, 0)).and_then(|place| shelf.read(&place)),
             None => Ok(String::new()),
@@ -276,10 +276,10 @@ impl Folder {
         let made = content.and_then(|content| self.save(shelf, &name, &content));
         state.status = made.as_ref().err().copied().unwrap_or(0);
         if made.is_err() {
-            return Value::text("");
+            return MacroValue::text("");
         }
         self.temporaries.extend(self.located(&name));
-        Value::text(name)
+        MacroValue::text(name)
     }
 
     /// Removes the temporary files of the run.
@@ -295,8 +295,8 @@ pub fn stored(path: &str) -> bool {
 }
 
 /// An argument as a text.
-pub(super) fn text(arguments: &[Value], position: usize) -> &str {
-    arguments.get(position).and_then(Value::as_text).unwrap_or("")
+pub(super) fn text(arguments: &[MacroValue], position: usize) -> &str {
+    arguments.get(position).and_then(MacroValue::as_text).unwrap_or("")
 }
 
 #[cfg(test)]
@@ -305,7 +305,7 @@ mod tests {
 
     #[test]
     fn no_name_leads_out() {
-        let folder = Folder { current: "a".into(), ..Folder::default() };
+        let folder = MacroFolder { current: "a".into(), ..MacroFolder::default() };
         assert_eq!(folder.located("./b").as_deref(), Some("a/b"));
         assert_eq!(folder.located("").as_deref(), Some("a"));
         assert_eq!(folder.located("../b/../x").as_deref(), Some("x"));

@@ -3,7 +3,7 @@
 //! *Invariant:* the enums, the list and the compiler's checks of a call come from one table, so that they cannot
 //! differ; a host matches on [`HostFn`], never on a name. Facts: the function catalogue of the reference.
 
-use crate::value::Kind;
+use crate::value::ValueType;
 
 macro_rules! host_functions {
     (control { $($function:ident $name:literal $arguments:literal $result:ident,)* }
@@ -21,7 +21,7 @@ macro_rules! host_functions {
             $(#[doc = concat!("The part of `", $part_name, "` that needs a control")] $part,)*
         }
 
-        /// A function of files: a [`Folder`](crate::host::Folder) computes it.
+        /// A function of files: a [`MacroFolder`](crate::host::MacroFolder) computes it.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum FileFn {
             $(#[doc = concat!("`", $file_name, "`")] $file,)*
@@ -34,7 +34,7 @@ macro_rules! host_functions {
         }
 
         /// Functions that macros call by name, with the types of their arguments and of their result.
-        pub(crate) const ROWS: &[(HostFn, &str, Option<Kind>)] = &[
+        pub(crate) const ROWS: &[(HostFn, &str, Option<ValueType>)] = &[
             $((HostFn::$function, $arguments, $result),)*
             $((HostFn::File(FileFn::$file), $file_arguments, $file_result),)*
             $((HostFn::Absent(AbsentFn::$absent), $absent_arguments, $absent_result),)*
@@ -54,7 +54,7 @@ macro_rules! host_functions {
 
             /// Type of the result if there is only one.
             #[must_use]
-            pub const fn result(self) -> Option<Kind> {
+            pub const fn result(self) -> Option<ValueType> {
                 match self {
                     $(HostFn::$function => $result,)*
                     $(HostFn::File(FileFn::$file) => $file_result,)*
@@ -91,11 +91,11 @@ pub enum Need {
     WordProcessor,
 }
 
-const R: Option<Kind> = Some(Kind::Real);
-const S: Option<Kind> = Some(Kind::Text);
-const Q: Option<Kind> = Some(Kind::Sequence);
-const L: Option<Kind> = Some(Kind::Logical);
-const A: Option<Kind> = None;
+const R: Option<ValueType> = Some(ValueType::Real);
+const S: Option<ValueType> = Some(ValueType::Text);
+const Q: Option<ValueType> = Some(ValueType::Sequence);
+const L: Option<ValueType> = Some(ValueType::Logical);
+const A: Option<ValueType> = None;
 
 host_functions! { control {
     Dialog "$FDIALOG" "sS" S,

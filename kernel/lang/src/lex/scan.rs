@@ -2,19 +2,24 @@
 //!
 //! *Invariant:* every pass of the loop consumes at least one character.
 
-use super::{Line, MAX_NAME, Sign, Spanned, Token};
-use crate::diag::{Diagnostic, Number};
-use crate::source::{Source, Span};
+use super::{LogicalLine, MAX_NAME, Sign, Spanned, TokenKind};
+use crate::diag::{DiagnosticNumber, MacroDiagnostic};
+use crate::source::{MacroSource, Span};
 
-struct Scanner<'a> {
-    source: &'a Source,
+struct TokenScanner<'a> {
+    source: &'a MacroSource,
     text: &'a [(char, u32)],
     at: usize,
 }
 
 /// Scans the label and the tokens of a line.
-pub(super) fn tokens(source: &Source, text: &[(char, u32)], line: &mut Line, diagnostics: &mut Vec<Diagnostic>) {
-    let mut scanner = Scanner { source, text, at: 0 };
+pub(super) fn tokens(
+    source: &MacroSource,
+    text: &[(char, u32)],
+    line: &mut LogicalLine,
+    diagnostics: &mut Vec<MacroDiagnostic>,
+) {
+    let mut scanner = TokenScanner { source, text, at: 0 };
     scanner.label(line, diagnostics);
     while scanner.at < text.len() {
         let begin = scanner.at;
@@ -22,15 +27,15 @@ pub(super) fn tokens(source: &Source, text: &[(char, u32)], line: &mut Line, dia
             Ok(token) => line.tokens.push(Spanned { token, span: scanner.span(begin) }),
             Err((number, message)) => {
                 scanner.at = scanner.at.max(begin + 1);
-                diagnostics.push(Diagnostic::new(source, scanner.span(begin), number, message));
+                diagnostics.push(MacroDiagnostic::new(source, scanner.span(begin), number, message));
             }
         }
     }
 }
 
-type Fault = (Number, String);
+type Fault = (DiagnosticNumber, String);
 
-impl Scanner<'_> {
+impl TokenScanner<'_> {
     fn peek(&self, ahead: usize) -> Option<char> {
         self.text.get(self.at + ahead).map(|(character, _)| *character)
     }
@@ -55,7 +60,7 @@ impl Scanner<'_> {
         taken
     }
 
-    fn label(&mut self, line: &mut Line, diagnostics: &mut Vec<Diagnostic>) {
+    fn label(&mut self, line: &mut LogicalLine, diagnostics: &mut Vec<MacroDiagnostic>) {
         let length = self.run(0);
         if length == 0 || self.peek(length) != Some(':') {
             return;
@@ -67,18 +72,18 @@ impl Scanner<'_> {
             line.label = Some((name, span));
         } else {
             let message = format!("a label has at least one letter and at most {MAX_NAME} characters");
-            diagnostics.push(Diagnostic::new(self.source, span, Number::BAD_LABEL, message));
+            diagnostics.push(MacroDiagnostic::new(self.source, span, DiagnosticNumber::BAD_LABEL, message));
         }
     }
 
-    fn token(&mut self) -> Result<Token, Fault> {
+    fn token(&mut self) -> Result<TokenKind, Fault> {
         let first = self.peek(0).unwrap_or(' ');
         match first {
             '\'' => Ok(self.quoted()),
             '0'..='9' => self.number(),
             '.' if self.peek(1).is_some_and(|c| c.is_ascii_digit()) => self.number(),
             '.' => self.dotted(),
-            'A'..='Z' | 'a'..='z' => self.word().map(Token::Name),
+            'A'..='Z' | 'a'..='z' => self.word().map(TokenKind::Name),
             '%' => self.percent(),
             '$' => self.system(),
             '#' => self.hash(),
@@ -86,7 +91,7 @@ impl Scanner<'_> {
         }
     }
 
-    fn quoted(&mut self) -> Token {
+    fn quoted(&mut self) -> TokenKind {
         let mut text = String::new();
         self.at += 1;
         while let Some(character) = self.peek(0) {
@@ -99,7 +104,7 @@ impl Scanner<'_> {
             }
             text.push(character);
         }
-        Token::Text(text)
+        TokenKind::Text(text)
     }
 
     /// Length of `.LETTERS.` here, 0 if there is none.
@@ -116,7 +121,7 @@ impl Scanner<'_> {
         self.text.iter().skip(self.at + from).take_while(|(c, _)| c.is_ascii_digit()).count()
     }
 
-    fn number(&mut self) -> Result<Token, Fault> {
+    fn number(&mut self) -> Result<TokenKind, Fault> {
         let mut length = self.digits(0);
         if self.peek(length) == Some('.') && self.operator_length(length) == 0 {
             length += 1;
@@ -124,19 +129,22 @@ impl Scanner<'_> {
         }
         let text = self.take(length);
         match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Token::Number(number)),
-            _ => Err((Number::BAD_NUMBER, "this is not a number, or it is too large".into())),
+            Ok(number) if number.is_finite() => Ok(TokenKind::Number(number)),
+            _ => Err((DiagnosticNumber::BAD_NUMBER, "this is not a number, or it is too large".into())),
         }
     }
 
-    fn dotted(&mut self) -> Result<Token, Fault> {
+    fn dotted(&mut self) -> Result<TokenKind, Fault> {
         let length = self.operator_length(0);
         if length == 0 {
             self.at += 1;
-            return Err((Number::STRANGE_CHARACTER, "a single point is neither a number nor an operator".into()));
+            return Err((
+                DiagnosticNumber::STRANGE_CHARACTER,
+                "a single point is neither a number nor an operator".into(),
+            ));
         }
         let text = self.take(length);
-        Ok(Token::Sign(match text.as_str() {
+        Ok(TokenKind::Sign(match text.as_str() {
             ".EQ." => Sign::Equal,
             ".NE." => Sign::NotEqual,
             ".GT." => Sign::Greater,
@@ -147,9 +155,9 @@ impl Scanner<'_> {
             ".AND." => Sign::And,
             ".OR." => Sign::Or,
             ".XOR." => Sign::Xor,
-            ".TRUE." => return Ok(Token::System("$TRUE".into())),
-            ".FALSE." => return Ok(Token::System("$FALSE".into())),
-            _ => return Err((Number::STRANGE_CHARACTER, format!("unknown operator `{text}`"))),
+            ".TRUE." => return Ok(TokenKind::System("$TRUE".into())),
+            ".FALSE." => return Ok(TokenKind::System("$FALSE".into())),
+            _ => return Err((DiagnosticNumber::STRANGE_CHARACTER, format!("unknown operator `{text}`"))),
         }))
     }
 
@@ -157,39 +165,42 @@ impl Scanner<'_> {
         let name = self.take(self.run(self.at));
         let limit = if name.starts_with("CODE_") || name.starts_with("REG_") { 2 * MAX_NAME } else { MAX_NAME };
         if name.len() > limit {
-            return Err((Number::BAD_NAME, format!("names have at most {MAX_NAME} characters")));
+            return Err((DiagnosticNumber::BAD_NAME, format!("names have at most {MAX_NAME} characters")));
         }
         Ok(name)
     }
 
-    fn percent(&mut self) -> Result<Token, Fault> {
+    fn percent(&mut self) -> Result<TokenKind, Fault> {
         self.at += 1;
         if !self.peek(0).is_some_and(|c| c.is_ascii_alphabetic()) {
-            return Err((Number::BAD_NAME, "a name must follow `%`".into()));
+            return Err((DiagnosticNumber::BAD_NAME, "a name must follow `%`".into()));
         }
         let name = self.word()?;
         let rest = name.get(1..).unwrap_or("");
         let number = (matches!(rest.len(), 1 | 2)).then(|| rest.parse::<u8>().ok()).flatten();
         Ok(match (name.as_bytes().first(), number) {
-            (Some(b'G'), Some(number)) => Token::Global(number),
-            (Some(b'L'), Some(number)) => Token::Local(number),
-            _ => Token::Percent(name),
+            (Some(b'G'), Some(number)) => TokenKind::Global(number),
+            (Some(b'L'), Some(number)) => TokenKind::Local(number),
+            _ => TokenKind::Percent(name),
         })
     }
 
-    fn system(&mut self) -> Result<Token, Fault> {
+    fn system(&mut self) -> Result<TokenKind, Fault> {
         self.at += 1;
         if !self.peek(0).is_some_and(|c| c.is_ascii_alphabetic()) {
-            return Err((Number::STRANGE_CHARACTER, "a name, a second `$` or a blank must follow `$`".into()));
+            return Err((
+                DiagnosticNumber::STRANGE_CHARACTER,
+                "a name, a second `$` or a blank must follow `$`".into(),
+            ));
         }
         let name = self.word()?;
         if let Some(number) = name.strip_prefix('P').filter(|rest| rest.len() <= 2).and_then(|rest| rest.parse().ok()) {
             if number == 0 {
-                return Err((Number::BAD_NAME, "arguments are numbered from `$P1` to `$P99`".into()));
+                return Err((DiagnosticNumber::BAD_NAME, "arguments are numbered from `$P1` to `$P99`".into()));
             }
-            return Ok(Token::Param(number));
+            return Ok(TokenKind::Param(number));
         }
-        Ok(Token::System(format!("${name}")))
+        Ok(TokenKind::System(format!("${name}")))
     }
 
     fn hash_part(&mut self) -> Option<i32> {
@@ -201,18 +212,19 @@ impl Scanner<'_> {
         self.take(length).parse().ok()
     }
 
-    fn hash(&mut self) -> Result<Token, Fault> {
-        let fault = || (Number::BAD_NUMBER, "a code is written `#71`, a record `#2000:1030` or `#*:*`".to_owned());
+    fn hash(&mut self) -> Result<TokenKind, Fault> {
+        let fault =
+            || (DiagnosticNumber::BAD_NUMBER, "a code is written `#71`, a record `#2000:1030` or `#*:*`".to_owned());
         self.at += 1;
         let first = self.hash_part().ok_or_else(fault)?;
         if self.peek(0) == Some(':') && self.peek(1).is_some_and(|c| c == '*' || c.is_ascii_digit()) {
             self.at += 1;
-            return Ok(Token::Record(first, self.hash_part().ok_or_else(fault)?));
+            return Ok(TokenKind::Record(first, self.hash_part().ok_or_else(fault)?));
         }
-        if first < 0 { Err(fault()) } else { Ok(Token::Keyword(first)) }
+        if first < 0 { Err(fault()) } else { Ok(TokenKind::Keyword(first)) }
     }
 
-    fn sign(&mut self, first: char) -> Result<Token, Fault> {
+    fn sign(&mut self, first: char) -> Result<TokenKind, Fault> {
         let two = match (first, self.peek(1)) {
             ('/', Some('/')) => Some(Sign::Join),
             ('+', Some('=')) => Some(Sign::AddAssign),
@@ -231,10 +243,10 @@ impl Scanner<'_> {
         };
         if let Some(sign) = two {
             self.at += 2;
-            return Ok(Token::Sign(sign));
+            return Ok(TokenKind::Sign(sign));
         }
         self.at += 1;
-        Ok(Token::Sign(match first {
+        Ok(TokenKind::Sign(match first {
             '/' => Sign::Slash,
             '(' => Sign::Open,
             ')' => Sign::Close,
@@ -251,7 +263,7 @@ impl Scanner<'_> {
             '!' => Sign::Not,
             _ => {
                 let message = format!("illegal character `{}` outside a text", first.escape_default());
-                return Err((Number::STRANGE_CHARACTER, message));
+                return Err((DiagnosticNumber::STRANGE_CHARACTER, message));
             }
         }))
     }

@@ -2,13 +2,13 @@
 //!
 //! Facts: reference macro-language.md 1.2, 1.7 and 2; `.NOT.` binds looser than the comparisons.
 
-use super::{Parsed, Parser};
-use crate::ast::{Expr, ExprKind, MAX_DEPTH, Variable};
-use crate::diag::Number;
+use super::{LineParser, Parsed};
+use crate::ast::{Expr, ExprKind, MAX_DEPTH, VariableName};
+use crate::diag::DiagnosticNumber;
 use crate::ident;
-use crate::lex::{Sign, Token};
+use crate::lex::{Sign, TokenKind};
 use crate::source::Span;
-use crate::value::Record;
+use crate::value::RecordName;
 
 const NOT: u8 = 8;
 const UNARY: u8 = 18;
@@ -28,7 +28,7 @@ fn binding(sign: Sign) -> Option<(u8, u8)> {
     })
 }
 
-impl Parser<'_> {
+impl LineParser<'_> {
     /// Reads a whole expression.
     pub(crate) fn expression(&mut self) -> Parsed<Expr> {
         self.operators(0)
@@ -58,7 +58,7 @@ impl Parser<'_> {
             let span = left.span.to(operand.span);
             left = self.limited(Expr::new(ExprKind::Binary(sign, Box::new(left), Box::new(operand)), span))?;
             if strong == 10 && self.sign().and_then(binding) == Some((10, 11)) {
-                return self.fail(Number::SYNTAX, "comparisons do not chain; join them with .AND.");
+                return self.fail(DiagnosticNumber::SYNTAX, "comparisons do not chain; join them with .AND.");
             }
         }
         self.nesting -= 1;
@@ -66,7 +66,7 @@ impl Parser<'_> {
     }
 
     fn too_deep<T>(&mut self) -> Parsed<T> {
-        self.fail(Number::TOO_DEEP, format!("this expression has more than {MAX_DEPTH} levels"))
+        self.fail(DiagnosticNumber::TOO_DEEP, format!("this expression has more than {MAX_DEPTH} levels"))
     }
 
     fn limited(&mut self, expression: Expr) -> Parsed<Expr> {
@@ -76,33 +76,33 @@ impl Parser<'_> {
     fn operand(&mut self) -> Parsed<Expr> {
         let start = self.span();
         let Some(token) = self.peek() else {
-            return self.fail(Number::SYNTAX, "a value is missing here");
+            return self.fail(DiagnosticNumber::SYNTAX, "a value is missing here");
         };
         self.at += 1;
         let kind = match token {
-            Token::Number(number) => ExprKind::Real(*number),
-            Token::Text(text) => ExprKind::Text(text.clone()),
-            Token::Keyword(code) => ExprKind::Keyword(*code),
-            Token::Record(class, subclass) => ExprKind::Record(Record { class: *class, subclass: *subclass }),
-            Token::Name(name) => self.word(name, start)?,
-            Token::Percent(name) => self.variable(Variable::User(name.clone()))?,
-            Token::Global(number) => self.variable(Variable::Global(*number))?,
-            Token::Local(number) => self.variable(Variable::Local(*number))?,
-            Token::Param(number) => self.variable(Variable::Param(*number))?,
-            Token::System(name) => self.system(name)?,
-            Token::Sign(sign @ (Sign::Minus | Sign::Plus | Sign::Not)) => {
+            TokenKind::Number(number) => ExprKind::Real(*number),
+            TokenKind::Text(text) => ExprKind::Text(text.clone()),
+            TokenKind::Keyword(code) => ExprKind::Keyword(*code),
+            TokenKind::Record(class, subclass) => ExprKind::Record(RecordName { class: *class, subclass: *subclass }),
+            TokenKind::Name(name) => self.word(name, start)?,
+            TokenKind::Percent(name) => self.variable(VariableName::User(name.clone()))?,
+            TokenKind::Global(number) => self.variable(VariableName::Global(*number))?,
+            TokenKind::Local(number) => self.variable(VariableName::Local(*number))?,
+            TokenKind::Param(number) => self.variable(VariableName::Param(*number))?,
+            TokenKind::System(name) => self.system(name)?,
+            TokenKind::Sign(sign @ (Sign::Minus | Sign::Plus | Sign::Not)) => {
                 let least = if *sign == Sign::Not { NOT } else { UNARY };
                 ExprKind::Unary(*sign, Box::new(self.operators(least)?))
             }
-            Token::Sign(Sign::Open) => {
+            TokenKind::Sign(Sign::Open) => {
                 let inner = self.operators(0)?;
                 self.expect(Sign::Close)?;
                 return Ok(Expr { span: start.to(self.before()), ..inner });
             }
-            Token::Sign(Sign::OpenBrace) => self.braces()?,
-            Token::Sign(_) => {
+            TokenKind::Sign(Sign::OpenBrace) => self.braces()?,
+            TokenKind::Sign(_) => {
                 self.at -= 1;
-                return self.fail(Number::SYNTAX, "a value is expected here");
+                return self.fail(DiagnosticNumber::SYNTAX, "a value is expected here");
             }
         };
         let expression = Expr::new(kind, start.to(self.before()));
@@ -133,9 +133,14 @@ impl Parser<'_> {
         }
         if ident::reserved(name).is_some() {
             let message = format!("{name} is a word of the language, not a value");
-            return self.fail_at(span, Number::RESERVED_WORD, message, Some(format!("a variable is written %{name}")));
+            return self.fail_at(
+                span,
+                DiagnosticNumber::RESERVED_WORD,
+                message,
+                Some(format!("a variable is written %{name}")),
+            );
         }
-        self.variable(Variable::User(name.to_owned()))
+        self.variable(VariableName::User(name.to_owned()))
     }
 
     fn system(&mut self, name: &str) -> Parsed<ExprKind> {
@@ -153,12 +158,12 @@ impl Parser<'_> {
                 }
                 ExprKind::Call(name.to_owned(), arguments)
             }
-            _ => self.variable(Variable::System(name.to_owned()))?,
+            _ => self.variable(VariableName::System(name.to_owned()))?,
         })
     }
 
     /// Reads the part after a variable: indices or a range.
-    pub(crate) fn variable(&mut self, variable: Variable) -> Parsed<ExprKind> {
+    pub(crate) fn variable(&mut self, variable: VariableName) -> Parsed<ExprKind> {
         if !self.eat(Sign::Open) {
             return Ok(ExprKind::Variable(variable));
         }
@@ -178,12 +183,15 @@ impl Parser<'_> {
         }
         self.expect(Sign::Close)?;
         if self.sign() == Some(Sign::Open) {
-            self.fail::<()>(Number::SYNTAX, "an element cannot be indexed again; assign it to a variable first")?;
+            self.fail::<()>(
+                DiagnosticNumber::SYNTAX,
+                "an element cannot be indexed again; assign it to a variable first",
+            )?;
         }
         Ok(ExprKind::Element(variable, indices))
     }
 
-    fn range(&mut self, variable: Variable, from: Option<Expr>) -> Parsed<ExprKind> {
+    fn range(&mut self, variable: VariableName, from: Option<Expr>) -> Parsed<ExprKind> {
         let to = if self.sign() == Some(Sign::Close) { None } else { Some(Box::new(self.expression()?)) };
         self.expect(Sign::Close)?;
         Ok(ExprKind::Range(variable, from.map(Box::new), to))

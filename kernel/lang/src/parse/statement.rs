@@ -3,12 +3,15 @@
 //! Facts: reference macro-language.md 1.5, 3 and 6. The undocumented reserved words ENDIF, ENDDO, ENDWHILE, ENDCASE and
 //! LEAVE are taken as `ENDOF/…` and `EXIT`.
 
-use super::{Parsed, Parser};
-use crate::ast::{Block, Declared, Expr, ExprKind, Header, Scope, StatementKind, Variable, When};
-use crate::diag::{Diagnostic, Number};
+use super::{LineParser, Parsed};
+use crate::ast::{
+    CompoundStatement, DeclaredName, Expr, ExprKind, FunctionHeader, MacroVariableScope, StatementKind, VariableName,
+    WhenItem,
+};
+use crate::diag::{DiagnosticNumber, MacroDiagnostic};
 use crate::ident;
-use crate::lex::{Sign, Token};
-use crate::value::Kind;
+use crate::lex::{Sign, TokenKind};
+use crate::value::ValueType;
 
 /// Words a statement of the control emulator may start with.
 pub const COMMANDS: &[&str] = &[
@@ -17,12 +20,12 @@ pub const COMMANDS: &[&str] = &[
     "SEARCH", "SYSTEM", "TAPERD", "TAPEWT", "TERMAC", "UNTIL", "WHEN", "WHILE", "WRITE",
 ];
 
-impl Parser<'_> {
+impl LineParser<'_> {
     /// Reads the statement of the line.
     pub(crate) fn statement(&mut self) -> Parsed<StatementKind> {
         let kind = match (self.peek(), self.peek_at(1)) {
             (None, _) => StatementKind::Empty,
-            (Some(Token::Name(name)), None | Some(Token::Sign(Sign::Slash))) => {
+            (Some(TokenKind::Name(name)), None | Some(TokenKind::Sign(Sign::Slash))) => {
                 let span = self.span();
                 self.at += 1;
                 let arguments = self.eat(Sign::Slash);
@@ -32,7 +35,7 @@ impl Parser<'_> {
                     None => return self.unknown(name, span),
                 }
             }
-            (Some(Token::Record(..)), None | Some(Token::Sign(Sign::Slash))) => {
+            (Some(TokenKind::Record(..)), None | Some(TokenKind::Sign(Sign::Slash))) => {
                 let span = self.span();
                 self.at += 1;
                 let arguments = self.eat(Sign::Slash);
@@ -52,18 +55,19 @@ impl Parser<'_> {
         let message =
             format!("{name} is a record of the post-processor product and does nothing in the control emulator");
         let help = (name == "GOTO").then(|| "JUMPTO/label jumps".to_owned());
-        self.diagnostics.push(Diagnostic::new(self.source, span, Number::RECORD_IGNORED, message).help(help));
+        self.diagnostics
+            .push(MacroDiagnostic::new(self.source, span, DiagnosticNumber::RECORD_IGNORED, message).help(help));
         Ok(StatementKind::Empty)
     }
 
     fn unknown<T>(&mut self, name: &str, span: crate::source::Span) -> Parsed<T> {
         if COMMANDS.contains(&name) {
-            return self.fail_at(span, Number::SYNTAX, format!("wrong syntax for {name}"), None);
+            return self.fail_at(span, DiagnosticNumber::SYNTAX, format!("wrong syntax for {name}"), None);
         }
         if ident::reserved(name) == Some(ident::Reserved::Control) {
             return self.fail_at(
                 span,
-                Number::RESERVED_WORD,
+                DiagnosticNumber::RESERVED_WORD,
                 format!("{name} is reserved, but is not a statement"),
                 None,
             );
@@ -75,7 +79,7 @@ impl Parser<'_> {
             "DIALOG" => Some("a dialog is the function $FDIALOG()".to_owned()),
             _ => ident::nearest(name, COMMANDS.iter().copied()).map(|near| format!("did you mean {near}?")),
         };
-        self.fail_at(span, Number::UNKNOWN_COMMAND, format!("unknown command {name}"), help)
+        self.fail_at(span, DiagnosticNumber::UNKNOWN_COMMAND, format!("unknown command {name}"), help)
     }
 
     fn named(&mut self, name: &str, arguments: bool) -> Parsed<Option<StatementKind>> {
@@ -90,10 +94,10 @@ impl Parser<'_> {
             ("UNTIL", true) => StatementKind::Until(self.expression()?),
             ("DO", true) => self.do_loop()?,
             ("ENDOF", true) => self.end_of()?,
-            ("ENDIF", false) => StatementKind::EndOf(Block::If),
-            ("ENDCASE" | "ENDC", false) => StatementKind::EndOf(Block::Case),
-            ("ENDWHILE" | "ENDW", false) => StatementKind::EndOf(Block::While),
-            ("ENDDO", false) => StatementKind::EndOf(Block::Do),
+            ("ENDIF", false) => StatementKind::EndOf(CompoundStatement::If),
+            ("ENDCASE" | "ENDC", false) => StatementKind::EndOf(CompoundStatement::Case),
+            ("ENDWHILE" | "ENDW", false) => StatementKind::EndOf(CompoundStatement::While),
+            ("ENDDO", false) => StatementKind::EndOf(CompoundStatement::Do),
             ("EXIT" | "LEAVE", false) => StatementKind::Exit(1),
             ("EXIT" | "LEAVE", true) => self.exit()?,
             ("JUMPTO", true) => self.jump()?,
@@ -129,7 +133,7 @@ impl Parser<'_> {
         if list.len() < least || list.len() > most {
             let message =
                 if list.len() < least { "an argument is missing here" } else { "there are too many arguments" };
-            return self.fail(Number::WRONG_COUNT, message);
+            return self.fail(DiagnosticNumber::WRONG_COUNT, message);
         }
         Ok(list)
     }
@@ -144,21 +148,21 @@ impl Parser<'_> {
     fn on_or_off(&mut self) -> Parsed<bool> {
         match self.switch() {
             Some(on) => Ok(on),
-            None => self.fail(Number::SYNTAX, "ON or OFF is expected here"),
+            None => self.fail(DiagnosticNumber::SYNTAX, "ON or OFF is expected here"),
         }
     }
 
     fn end_of(&mut self) -> Parsed<StatementKind> {
-        let Some(Token::Name(name)) = self.peek() else {
-            return self.fail(Number::SYNTAX, "IF, CASE, WHILE or DO is expected here");
+        let Some(TokenKind::Name(name)) = self.peek() else {
+            return self.fail(DiagnosticNumber::SYNTAX, "IF, CASE, WHILE or DO is expected here");
         };
         let block = match name.as_str() {
-            "IF" => Block::If,
-            "CASE" => Block::Case,
-            "WHILE" => Block::While,
-            "DO" => Block::Do,
-            "REPEAT" => return self.fail(Number::SYNTAX, "REPEAT ends with UNTIL/condition"),
-            _ => return self.fail(Number::SYNTAX, "IF, CASE, WHILE or DO is expected here"),
+            "IF" => CompoundStatement::If,
+            "CASE" => CompoundStatement::Case,
+            "WHILE" => CompoundStatement::While,
+            "DO" => CompoundStatement::Do,
+            "REPEAT" => return self.fail(DiagnosticNumber::SYNTAX, "REPEAT ends with UNTIL/condition"),
+            _ => return self.fail(DiagnosticNumber::SYNTAX, "IF, CASE, WHILE or DO is expected here"),
         };
         self.at += 1;
         Ok(StatementKind::EndOf(block))
@@ -173,13 +177,13 @@ impl Parser<'_> {
             let first = self.expression()?;
             let thru = matches!(
                 (self.peek(), self.peek_at(1), self.peek_at(2)),
-                (Some(Token::Sign(Sign::Comma)), Some(Token::Name(word)), Some(Token::Sign(Sign::Comma))) if word == "THRU"
+                (Some(TokenKind::Sign(Sign::Comma)), Some(TokenKind::Name(word)), Some(TokenKind::Sign(Sign::Comma))) if word == "THRU"
             );
             if thru {
                 self.at += 3;
-                items.push(When::Thru(first, self.expression()?));
+                items.push(WhenItem::Thru(first, self.expression()?));
             } else {
-                items.push(When::One(first));
+                items.push(WhenItem::One(first));
             }
             if !self.eat(Sign::Comma) {
                 return Ok(StatementKind::When(items));
@@ -198,7 +202,7 @@ impl Parser<'_> {
     }
 
     fn exit(&mut self) -> Parsed<StatementKind> {
-        if let Some(Token::Number(number)) = self.peek()
+        if let Some(TokenKind::Number(number)) = self.peek()
             && (1.0..=100.0).contains(number)
             && number.fract() == 0.0
         {
@@ -206,7 +210,7 @@ impl Parser<'_> {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             return Ok(StatementKind::Exit(*number as u32));
         }
-        self.fail(Number::BAD_EXIT, "EXIT takes a whole number of loops")
+        self.fail(DiagnosticNumber::BAD_EXIT, "EXIT takes a whole number of loops")
     }
 
     fn jump(&mut self) -> Parsed<StatementKind> {
@@ -214,24 +218,24 @@ impl Parser<'_> {
         let mut label = String::new();
         while let Some(token) = self.peek() {
             match token {
-                Token::Name(name) | Token::Percent(name) => label.push_str(name),
-                Token::Number(number) if number.fract() == 0.0 => {
+                TokenKind::Name(name) | TokenKind::Percent(name) => label.push_str(name),
+                TokenKind::Number(number) if number.fract() == 0.0 => {
                     let span = self.span();
                     label.push_str(self.source.slice(span));
                 }
-                _ => return self.fail(Number::BAD_LABEL, "a label is expected here"),
+                _ => return self.fail(DiagnosticNumber::BAD_LABEL, "a label is expected here"),
             }
             self.at += 1;
         }
         if label.is_empty() {
-            return self.fail(Number::BAD_LABEL, "a label is expected here");
+            return self.fail(DiagnosticNumber::BAD_LABEL, "a label is expected here");
         }
         Ok(StatementKind::Jump(label, start.to(self.before())))
     }
 
     fn exec(&mut self) -> Parsed<StatementKind> {
         let now = match (self.peek(), self.peek_at(1)) {
-            (Some(Token::Name(name)), Some(Token::Sign(Sign::Comma))) if name == "NOW" || name == "NEXT" => {
+            (Some(TokenKind::Name(name)), Some(TokenKind::Sign(Sign::Comma))) if name == "NOW" || name == "NEXT" => {
                 self.at += 2;
                 name == "NOW"
             }
@@ -260,24 +264,28 @@ impl Parser<'_> {
     }
 
     fn include(&mut self) -> Parsed<StatementKind> {
-        let Some(Token::Text(name)) = self.peek() else {
-            return self.fail(Number::SYNTAX, "INCLUD takes the name of a file between quotes");
+        let Some(TokenKind::Text(name)) = self.peek() else {
+            return self.fail(DiagnosticNumber::SYNTAX, "INCLUD takes the name of a file between quotes");
         };
         self.at += 1;
         Ok(StatementKind::Include(name.clone()))
     }
 
-    fn kind(&mut self) -> Option<Kind> {
-        let Some(Token::Name(name)) = self.peek() else { return None };
-        let kind = Kind::named(name)?;
+    fn kind(&mut self) -> Option<ValueType> {
+        let Some(TokenKind::Name(name)) = self.peek() else { return None };
+        let kind = ValueType::named(name)?;
         self.at += 1;
         Some(kind)
     }
 
     fn declare(&mut self) -> Parsed<StatementKind> {
-        let (mut scope, mut kind, mut channel) = (Scope::Local, None, false);
+        let (mut scope, mut kind, mut channel) = (MacroVariableScope::Local, None, false);
         loop {
-            let words = [("LOCAL", Scope::Local), ("OBJECT", Scope::Object), ("GLOBAL", Scope::Global)];
+            let words = [
+                ("LOCAL", MacroVariableScope::Local),
+                ("OBJECT", MacroVariableScope::Object),
+                ("GLOBAL", MacroVariableScope::Global),
+            ];
             if let Some((_, found)) = words.into_iter().find(|(word, _)| self.eat_word(word)) {
                 scope = found;
             } else if let Some(found) = self.kind() {
@@ -287,7 +295,12 @@ impl Parser<'_> {
             } else if self.eat_word("EXTERN") {
                 let span = self.before();
                 let message = "external functions are not supported: macros run in a sandbox";
-                return self.fail_at(span, Number::NOT_HERE, message, Some("write the function as a MACRO".into()));
+                return self.fail_at(
+                    span,
+                    DiagnosticNumber::NOT_HERE,
+                    message,
+                    Some("write the function as a MACRO".into()),
+                );
             } else {
                 break;
             }
@@ -300,7 +313,7 @@ impl Parser<'_> {
         Ok(StatementKind::Declare { scope, kind, channel, names })
     }
 
-    fn declared(&mut self) -> Parsed<Declared> {
+    fn declared(&mut self) -> Parsed<DeclaredName> {
         let span = self.span();
         let name = self.new_name()?;
         let mut sizes = Vec::new();
@@ -309,41 +322,41 @@ impl Parser<'_> {
             self.expect(Sign::Close)?;
         }
         let value = if self.eat(Sign::Assign) { Some(self.expression()?) } else { None };
-        Ok(Declared { name, sizes, value, span })
+        Ok(DeclaredName { name, sizes, value, span })
     }
 
     /// Reads a name that is being declared.
     fn new_name(&mut self) -> Parsed<String> {
         let span = self.span();
         match self.peek() {
-            Some(Token::Percent(name)) => {
+            Some(TokenKind::Percent(name)) => {
                 self.at += 1;
                 Ok(name.clone())
             }
-            Some(Token::Name(name)) if !ident::needs_percent(name) => {
+            Some(TokenKind::Name(name)) if !ident::needs_percent(name) => {
                 self.at += 1;
                 Ok(name.clone())
             }
-            Some(Token::Name(name)) => {
+            Some(TokenKind::Name(name)) => {
                 let help = Some(format!("write %{name} for a variable of this name"));
-                self.fail_at(span, Number::REDECLARED, format!("{name} is a word of the language"), help)
+                self.fail_at(span, DiagnosticNumber::REDECLARED, format!("{name} is a word of the language"), help)
             }
-            Some(Token::Global(_) | Token::Local(_) | Token::Param(_) | Token::System(_)) => {
-                self.fail(Number::REDECLARED, "%Gnn, %Lnn and $ names exist without a declaration")
+            Some(TokenKind::Global(_) | TokenKind::Local(_) | TokenKind::Param(_) | TokenKind::System(_)) => {
+                self.fail(DiagnosticNumber::REDECLARED, "%Gnn, %Lnn and $ names exist without a declaration")
             }
-            _ => self.fail(Number::SYNTAX, "a name is expected here"),
+            _ => self.fail(DiagnosticNumber::SYNTAX, "a name is expected here"),
         }
     }
 
     /// Reads the header of a function after `MACRO/`.
-    pub(crate) fn header(&mut self) -> Parsed<Header> {
+    pub(crate) fn header(&mut self) -> Parsed<FunctionHeader> {
         let result = self.kind();
         if result.is_some() {
             self.expect(Sign::Comma)?;
         }
         let span = self.span();
         let name = self.new_name()?;
-        let mut parameters: Vec<(String, Option<Kind>)> = Vec::new();
+        let mut parameters: Vec<(String, Option<ValueType>)> = Vec::new();
         self.expect(Sign::Open)?;
         if !self.eat(Sign::Close) {
             loop {
@@ -355,7 +368,7 @@ impl Parser<'_> {
                 let parameter = self.new_name()?;
                 if parameter == name || parameters.iter().any(|(other, _)| *other == parameter) {
                     let message = format!("{parameter} occurs twice in this header");
-                    return self.fail_at(place, Number::DUPLICATE_FUNCTION, message, None);
+                    return self.fail_at(place, DiagnosticNumber::DUPLICATE_FUNCTION, message, None);
                 }
                 parameters.push((parameter, kind));
                 if !self.eat(Sign::Comma) {
@@ -365,37 +378,37 @@ impl Parser<'_> {
             self.expect(Sign::Close)?;
         }
         self.done()?;
-        Ok(Header { name, result, parameters, span })
+        Ok(FunctionHeader { name, result, parameters, span })
     }
 
     /// Reads the target of an assignment: a variable or an element.
     fn target(&mut self) -> Parsed<Expr> {
         let start = self.span();
         let Some(token) = self.peek() else {
-            return self.fail(Number::SYNTAX, "a variable is missing here");
+            return self.fail(DiagnosticNumber::SYNTAX, "a variable is missing here");
         };
         let variable = match token {
-            Token::Name(name) if self.assignable(name) => Variable::User(name.clone()),
-            Token::Name(name) => {
+            TokenKind::Name(name) if self.assignable(name) => VariableName::User(name.clone()),
+            TokenKind::Name(name) => {
                 let help = Some(format!("write %{name} for a variable of this name"));
                 let message = format!("{name} is a word of the language and cannot be assigned to");
-                return self.fail_at(start, Number::BAD_TARGET, message, help);
+                return self.fail_at(start, DiagnosticNumber::BAD_TARGET, message, help);
             }
-            Token::Percent(name) => Variable::User(name.clone()),
-            Token::Global(number) => Variable::Global(*number),
-            Token::Local(number) => Variable::Local(*number),
-            Token::Param(number) => Variable::Param(*number),
-            Token::System(name) if matches!(name.as_str(), "$TRUE" | "$FALSE" | "$NULL" | "$PI") => {
-                return self.fail(Number::BAD_TARGET, format!("{name} is a constant"));
+            TokenKind::Percent(name) => VariableName::User(name.clone()),
+            TokenKind::Global(number) => VariableName::Global(*number),
+            TokenKind::Local(number) => VariableName::Local(*number),
+            TokenKind::Param(number) => VariableName::Param(*number),
+            TokenKind::System(name) if matches!(name.as_str(), "$TRUE" | "$FALSE" | "$NULL" | "$PI") => {
+                return self.fail(DiagnosticNumber::BAD_TARGET, format!("{name} is a constant"));
             }
-            Token::System(name) => Variable::System(name.clone()),
-            _ => return self.fail(Number::BAD_TARGET, "a variable is expected here"),
+            TokenKind::System(name) => VariableName::System(name.clone()),
+            _ => return self.fail(DiagnosticNumber::BAD_TARGET, "a variable is expected here"),
         };
         self.at += 1;
         let kind = self.variable(variable)?;
         let span = start.to(self.before());
         if matches!(kind, ExprKind::Range(..)) {
-            return self.fail_at(span, Number::BAD_TARGET, "a range cannot be assigned to", None);
+            return self.fail_at(span, DiagnosticNumber::BAD_TARGET, "a range cannot be assigned to", None);
         }
         Ok(Expr::new(kind, span))
     }
@@ -408,12 +421,17 @@ impl Parser<'_> {
         let start = self.span();
         if self.is_bare_call() {
             let help = Some("assign its result, for instance %L01=…".to_owned());
-            return self.fail_at(start, Number::BARE_CALL, "a function call is a value, not a statement", help);
+            return self.fail_at(
+                start,
+                DiagnosticNumber::BARE_CALL,
+                "a function call is a value, not a statement",
+                help,
+            );
         }
         let target = self.target()?;
         let sign = match self.sign() {
             Some(sign) if is_assignment(sign) => sign,
-            _ => return self.fail(Number::SYNTAX, "`=` is expected here"),
+            _ => return self.fail(DiagnosticNumber::SYNTAX, "`=` is expected here"),
         };
         self.at += 1;
         let value = self.expression()?;
@@ -421,9 +439,9 @@ impl Parser<'_> {
     }
 
     fn is_bare_call(&self) -> bool {
-        let called = matches!(self.peek(), Some(Token::System(_) | Token::Name(_)))
-            && matches!(self.peek_at(1), Some(Token::Sign(Sign::Open)));
-        let assigns = |token: &crate::lex::Spanned| matches!(token.token, Token::Sign(sign) if is_assignment(sign));
+        let called = matches!(self.peek(), Some(TokenKind::System(_) | TokenKind::Name(_)))
+            && matches!(self.peek_at(1), Some(TokenKind::Sign(Sign::Open)));
+        let assigns = |token: &crate::lex::Spanned| matches!(token.token, TokenKind::Sign(sign) if is_assignment(sign));
         called && !self.tokens.iter().any(assigns)
     }
 }

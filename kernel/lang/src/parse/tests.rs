@@ -1,10 +1,10 @@
 use super::*;
-use crate::ast::{Expr, ExprKind, Scope};
+use crate::ast::{Expr, ExprKind, MacroVariableScope};
 
 fn show(expression: &Expr) -> String {
     match &expression.kind {
         ExprKind::Real(number) => format!("{number}"),
-        ExprKind::Variable(crate::ast::Variable::User(name)) => name.clone(),
+        ExprKind::Variable(crate::ast::VariableName::User(name)) => name.clone(),
         ExprKind::Unary(sign, operand) => format!("({}{})", sign.c(), show(operand)),
         ExprKind::Binary(sign, left, right) => format!("({}{}{})", show(left), sign.c(), show(right)),
         other => format!("{other:?}"),
@@ -12,11 +12,11 @@ fn show(expression: &Expr) -> String {
 }
 
 fn bound(text: &str) -> String {
-    show(&expression(&Source::new("t", text)).unwrap())
+    show(&expression(&MacroSource::new("t", text)).unwrap())
 }
 
-fn numbers(text: &str) -> Vec<Number> {
-    parse(&Source::new("t", text)).1.into_iter().map(|diagnostic| diagnostic.number).collect()
+fn numbers(text: &str) -> Vec<DiagnosticNumber> {
+    parse(&MacroSource::new("t", text)).1.into_iter().map(|diagnostic| diagnostic.number).collect()
 }
 
 #[test]
@@ -36,20 +36,20 @@ fn every_error_of_a_file_is_found() {
     assert_eq!(
         numbers(text),
         [
-            Number::SYNTAX,
-            Number::UNKNOWN_COMMAND,
-            Number::BARE_CALL,
-            Number::BAD_TARGET,
-            Number::SYNTAX,
-            Number::SYNTAX,
-            Number::BAD_EXIT,
-            Number::BAD_TARGET,
-            Number::RESERVED_WORD,
-            Number::RECORD_IGNORED,
-            Number::SYNTAX,
+            DiagnosticNumber::SYNTAX,
+            DiagnosticNumber::UNKNOWN_COMMAND,
+            DiagnosticNumber::BARE_CALL,
+            DiagnosticNumber::BAD_TARGET,
+            DiagnosticNumber::SYNTAX,
+            DiagnosticNumber::SYNTAX,
+            DiagnosticNumber::BAD_EXIT,
+            DiagnosticNumber::BAD_TARGET,
+            DiagnosticNumber::RESERVED_WORD,
+            DiagnosticNumber::RECORD_IGNORED,
+            DiagnosticNumber::SYNTAX,
         ]
     );
-    let (_, diagnostics) = parse(&Source::new("t", "WHLIE/A"));
+    let (_, diagnostics) = parse(&MacroSource::new("t", "WHLIE/A"));
     assert_eq!(diagnostics[0].help.as_deref(), Some("did you mean WHILE?"));
 }
 
@@ -61,7 +61,7 @@ fn all_statements_are_read() {
                 LPRINT/OFF\nLPRINT/2\nPPRINT/'x'\nOPEN/20,REAR,'f'\nCLOSE/20\nWRITE/20,'!(*)',A\n\
                 READ/20,DECR,'!(*)',A\nREAD/'T12','!(X1)!(*)',%L01\nERROR/8,'x'\nSYSTEM/'ls'\nINCLUD/'f'\n\
                 DECLAR/GLOBAL,REAL,CHANNEL,A(2),B=3\nX+=1\nX(1,2)-=1\n$P1*=2\n%G3/=4\nENDMAC";
-    let (macros, diagnostics) = parse(&Source::new("t", text));
+    let (macros, diagnostics) = parse(&MacroSource::new("t", text));
     assert_eq!(diagnostics, []);
     assert_eq!(macros[0].statements.len(), text.lines().count());
 }
@@ -69,7 +69,7 @@ fn all_statements_are_read() {
 #[test]
 fn functions_of_a_file_are_divided() {
     let text = "MACRO/REAL,FIT(REAL,V,REAL,LO,HI)\nFIT=$FMAX(LO,$FMIN(V,HI))\nENDMAC\nMACRO/TWO()\nTWO=2\nENDMAC\nA=1";
-    let (macros, diagnostics) = parse(&Source::new("t", text));
+    let (macros, diagnostics) = parse(&MacroSource::new("t", text));
     assert_eq!(diagnostics, []);
     assert_eq!(macros.len(), 3);
     assert_eq!(macros[0].header.as_ref().unwrap().parameters.len(), 3);
@@ -78,25 +78,25 @@ fn functions_of_a_file_are_divided() {
 
 #[test]
 fn declarations() {
-    let (macros, _) = parse(&Source::new("t", "DECLAR/OBJECT,STRING,SEEN(20)\nDECLAR/REAL,RAD=$PI/180"));
+    let (macros, _) = parse(&MacroSource::new("t", "DECLAR/OBJECT,STRING,SEEN(20)\nDECLAR/REAL,RAD=$PI/180"));
     let StatementKind::Declare { scope, kind, names, .. } = &macros[0].statements[0].kind else { panic!() };
-    assert_eq!((*scope, kind.unwrap().name(), names[0].name.as_str()), (Scope::Object, "STRING", "SEEN"));
-    assert_eq!(numbers("DECLAR/%L01"), [Number::REDECLARED]);
-    assert_eq!(numbers("DECLAR/ON"), [Number::REDECLARED]);
+    assert_eq!((*scope, kind.unwrap().name(), names[0].name.as_str()), (MacroVariableScope::Object, "STRING", "SEEN"));
+    assert_eq!(numbers("DECLAR/%L01"), [DiagnosticNumber::REDECLARED]);
+    assert_eq!(numbers("DECLAR/ON"), [DiagnosticNumber::REDECLARED]);
     assert_eq!(numbers("DECLAR/%ON=1"), []);
-    assert_eq!(numbers("DECLAR/EXTERN,FUNCTION,'a.dll',F()"), [Number::NOT_HERE]);
+    assert_eq!(numbers("DECLAR/EXTERN,FUNCTION,'a.dll',F()"), [DiagnosticNumber::NOT_HERE]);
 }
 
 #[test]
 fn deep_nesting_is_refused() {
     let deep = format!("A={}1{}", "(".repeat(240), ")".repeat(240));
-    assert_eq!(numbers(&deep), [Number::TOO_DEEP]);
+    assert_eq!(numbers(&deep), [DiagnosticNumber::TOO_DEEP]);
     let deep = format!("A={}1{}", "(".repeat(400), ")".repeat(400));
-    assert_eq!(numbers(&deep), [Number::LINE_TOO_LONG]);
+    assert_eq!(numbers(&deep), [DiagnosticNumber::LINE_TOO_LONG]);
     let long = format!("A=1{}", "+$\n1".repeat(3000));
-    assert_eq!(numbers(&long), [Number::TOO_DEEP]);
+    assert_eq!(numbers(&long), [DiagnosticNumber::TOO_DEEP]);
     let signs = format!("A={}1", "-".repeat(400));
-    assert_eq!(numbers(&signs), [Number::TOO_DEEP]);
+    assert_eq!(numbers(&signs), [DiagnosticNumber::TOO_DEEP]);
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn the_grammar_names_every_command_and_operator() {
     for command in super::statement::COMMANDS {
         assert!(grammar.contains(&format!("\"{command}\"")), "{command}");
     }
-    for kind in crate::value::Kind::ALL {
+    for kind in crate::value::ValueType::ALL {
         assert!(grammar.contains(&format!("\"{}\"", kind.name())));
     }
     use Sign::*;

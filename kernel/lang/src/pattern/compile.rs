@@ -1,13 +1,13 @@
 //! From the text of an expression to steps.
 
-use super::{Class, FIRST_LOOP, MAX_PROGRAM, Pattern, Set, Step};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::{CharClass, CharSet, FIRST_LOOP, MAX_PROGRAM, PatternStep, TextPattern};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 
-struct Compiler {
+struct PatternCompiler {
     text: Vec<char>,
     at: usize,
-    steps: Vec<Step>,
+    steps: Vec<PatternStep>,
     /// Open groups: number and position of their first step.
     open: Vec<(usize, usize)>,
     groups: usize,
@@ -16,24 +16,24 @@ struct Compiler {
 }
 
 fn bad<T>(message: &str) -> Outcome<T> {
-    Err(Fault::new(Number::BAD_PATTERN, message))
+    Err(MacroFault::new(DiagnosticNumber::BAD_PATTERN, message))
 }
 
-pub(super) fn compile(text: &str) -> Outcome<Pattern> {
+pub(super) fn compile(text: &str) -> Outcome<TextPattern> {
     if text.len() > MAX_PROGRAM {
         return bad("this regular expression is too large");
     }
-    let mut compiler = Compiler {
+    let mut compiler = PatternCompiler {
         text: text.chars().collect(),
         at: 0,
-        steps: vec![Step::Save(0)],
+        steps: vec![PatternStep::Save(0)],
         open: Vec::new(),
         groups: 0,
         closed: [false; 10],
         slots: FIRST_LOOP,
     };
     if compiler.eat('^') {
-        compiler.steps.push(Step::Start);
+        compiler.steps.push(PatternStep::Start);
     }
     // First step of the item that a repetition would repeat.
     let mut item: Option<usize> = None;
@@ -46,17 +46,17 @@ pub(super) fn compile(text: &str) -> Outcome<Pattern> {
     if !compiler.open.is_empty() {
         return bad("a `\\(` has no `\\)`");
     }
-    compiler.steps.push(Step::Save(1));
-    compiler.steps.push(Step::Done);
-    let anchored = compiler.steps.get(1) == Some(&Step::Start);
-    let first = match compiler.steps.iter().find(|step| !matches!(step, Step::Save(_))) {
-        Some(Step::One(class) | Step::Run(class, 1.., _)) => Some(class.clone()),
+    compiler.steps.push(PatternStep::Save(1));
+    compiler.steps.push(PatternStep::Done);
+    let anchored = compiler.steps.get(1) == Some(&PatternStep::Start);
+    let first = match compiler.steps.iter().find(|step| !matches!(step, PatternStep::Save(_))) {
+        Some(PatternStep::One(class) | PatternStep::Run(class, 1.., _)) => Some(class.clone()),
         _ => None,
     };
-    Ok(Pattern { steps: compiler.steps, slots: compiler.slots, groups: compiler.groups, first, anchored })
+    Ok(TextPattern { steps: compiler.steps, slots: compiler.slots, groups: compiler.groups, first, anchored })
 }
 
-impl Compiler {
+impl PatternCompiler {
     fn next(&mut self) -> Option<char> {
         let character = self.text.get(self.at).copied()?;
         self.at += 1;
@@ -76,17 +76,17 @@ impl Compiler {
                 self.repeat(before.unwrap_or(start), 0, u32::MAX)?;
                 return Ok(None);
             }
-            '.' => self.steps.push(Step::One(Class::Any)),
+            '.' => self.steps.push(PatternStep::One(CharClass::Any)),
             '[' => {
                 let set = self.set()?;
-                self.steps.push(Step::One(set));
+                self.steps.push(PatternStep::One(set));
             }
             '$' if self.at == self.text.len() => {
-                self.steps.push(Step::End);
+                self.steps.push(PatternStep::End);
                 return Ok(None);
             }
             '\\' => return self.escape(before, start),
-            other => self.steps.push(Step::One(Class::One(other))),
+            other => self.steps.push(PatternStep::One(CharClass::One(other))),
         }
         Ok(Some(start))
     }
@@ -95,11 +95,11 @@ impl Compiler {
         match self.next() {
             None => bad("a regular expression cannot end with `\\`"),
             Some('<') => {
-                self.steps.push(Step::WordStart);
+                self.steps.push(PatternStep::WordStart);
                 Ok(None)
             }
             Some('>') => {
-                self.steps.push(Step::WordEnd);
+                self.steps.push(PatternStep::WordEnd);
                 Ok(None)
             }
             Some('(') => {
@@ -108,7 +108,7 @@ impl Compiler {
                     return bad("more than nine groups");
                 }
                 self.open.push((self.groups, start));
-                self.steps.push(Step::Save(2 * self.groups));
+                self.steps.push(PatternStep::Save(2 * self.groups));
                 Ok(None)
             }
             Some(')') => {
@@ -116,7 +116,7 @@ impl Compiler {
                 if let Some(closed) = self.closed.get_mut(number) {
                     *closed = true;
                 }
-                self.steps.push(Step::Save(2 * number + 1));
+                self.steps.push(PatternStep::Save(2 * number + 1));
                 Ok(Some(start))
             }
             Some('{') => {
@@ -127,7 +127,7 @@ impl Compiler {
             }
             Some('}') => bad("a `\\}` has no `\\{`"),
             Some('0') => {
-                self.steps.push(Step::One(Class::One('0')));
+                self.steps.push(PatternStep::One(CharClass::One('0')));
                 Ok(Some(start))
             }
             Some(digit @ '1'..='9') => {
@@ -135,11 +135,11 @@ impl Compiler {
                 if self.closed.get(number) != Some(&true) {
                     return bad("a back reference must follow its group");
                 }
-                self.steps.push(Step::Reference(number));
+                self.steps.push(PatternStep::Reference(number));
                 Ok(Some(start))
             }
             Some(other) => {
-                self.steps.push(Step::One(Class::One(other)));
+                self.steps.push(PatternStep::One(CharClass::One(other)));
                 Ok(Some(start))
             }
         }
@@ -171,14 +171,14 @@ impl Compiler {
         Ok(number)
     }
 
-    fn set(&mut self) -> Outcome<Class> {
+    fn set(&mut self) -> Outcome<CharClass> {
         let negated = self.eat('^');
         let mut ranges = Vec::new();
         let mut first = true;
         loop {
             let Some(low) = self.next() else { return bad("a `[` has no `]`") };
             if low == ']' && !first {
-                return Ok(Class::Set(Box::new(Set::new(ranges, negated))));
+                return Ok(CharClass::Set(Box::new(CharSet::new(ranges, negated))));
             }
             first = false;
             let dash = self.text.get(self.at) == Some(&'-');
@@ -196,13 +196,13 @@ impl Compiler {
     }
 
     fn repeat(&mut self, start: usize, least: u32, most: u32) -> Outcome<()> {
-        let body: Vec<Step> = self.steps.split_off(start.min(self.steps.len()));
-        if let [Step::One(class)] = body.as_slice() {
-            self.steps.push(Step::Run(class.clone(), least, most));
+        let body: Vec<PatternStep> = self.steps.split_off(start.min(self.steps.len()));
+        if let [PatternStep::One(class)] = body.as_slice() {
+            self.steps.push(PatternStep::Run(class.clone(), least, most));
             return Ok(());
         }
         let copies = if most == u32::MAX { least + 1 } else { most };
-        let ranges: usize = body.iter().map(Step::size).sum();
+        let ranges: usize = body.iter().map(PatternStep::size).sum();
         if (body.len() + ranges / 8).saturating_mul(copies as usize) > MAX_PROGRAM {
             return bad("this regular expression is too large");
         }
@@ -213,15 +213,15 @@ impl Compiler {
             let slot = self.slots;
             self.slots += 1;
             let begin = self.steps.len();
-            self.steps.push(Step::Split(begin + body.len() + 4));
-            self.steps.push(Step::Mark(slot));
+            self.steps.push(PatternStep::Split(begin + body.len() + 4));
+            self.steps.push(PatternStep::Mark(slot));
             self.copy(&body, start);
-            self.steps.push(Step::Moved(slot));
-            self.steps.push(Step::Jump(begin));
+            self.steps.push(PatternStep::Moved(slot));
+            self.steps.push(PatternStep::Jump(begin));
         } else {
             let end = self.steps.len() + (most - least) as usize * (body.len() + 1);
             for _ in least..most {
-                self.steps.push(Step::Split(end));
+                self.steps.push(PatternStep::Split(end));
                 self.copy(&body, start);
             }
         }
@@ -229,12 +229,12 @@ impl Compiler {
     }
 
     /// Appends a copy of steps that were compiled at `from`, moving the targets of their jumps.
-    fn copy(&mut self, body: &[Step], from: usize) {
+    fn copy(&mut self, body: &[PatternStep], from: usize) {
         let here = self.steps.len();
         let moved = |target: usize| target - from + here;
         self.steps.extend(body.iter().map(|step| match step {
-            Step::Split(target) => Step::Split(moved(*target)),
-            Step::Jump(target) => Step::Jump(moved(*target)),
+            PatternStep::Split(target) => PatternStep::Split(moved(*target)),
+            PatternStep::Jump(target) => PatternStep::Jump(moved(*target)),
             other => other.clone(),
         }));
     }

@@ -1,19 +1,19 @@
 //! Replacing, extracting and splitting.
 
-use super::matcher::Search;
-use super::{BYTES_PER_STEP, Match, Pattern};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::matcher::PatternSearch;
+use super::{BYTES_PER_STEP, Match, TextPattern};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 
 /// Calls `each` with every match from left to right until it answers false; it may use up steps, too.
 fn matches(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     budget: &mut u64,
     mut each: impl FnMut(&Match, &mut u64) -> bool,
 ) -> Outcome<()> {
     let (mut from, mut last_end) = (0usize, None);
-    let mut search = Search::new(pattern, text);
+    let mut search = PatternSearch::new(pattern, text);
     while search.find(from, budget)? {
         let found = &search.found;
         let (start, end) = found.whole();
@@ -61,7 +61,7 @@ fn copying(budget: &mut u64, bytes: usize) {
 }
 
 pub(super) fn replace(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     (with, which): (&str, usize),
     most: usize,
@@ -82,13 +82,13 @@ pub(super) fn replace(
     })?;
     out.push_str(text.get(copied..).unwrap_or(""));
     if out.len() > most {
-        return Err(Fault::new(Number::SIZE, format!("a text has more than {most} bytes")));
+        return Err(MacroFault::new(DiagnosticNumber::SIZE, format!("a text has more than {most} bytes")));
     }
     Ok(out)
 }
 
 pub(super) fn nth(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     (template, which): (Option<&str>, usize),
     budget: &mut u64,
@@ -111,7 +111,7 @@ pub(super) fn nth(
 }
 
 pub(super) fn split(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     (limit, most): (usize, usize),
     budget: &mut u64,
@@ -129,7 +129,7 @@ pub(super) fn split(
         true
     })?;
     if pieces.len() >= most {
-        return Err(Fault::new(Number::SIZE, format!("there are more than {most} elements")));
+        return Err(MacroFault::new(DiagnosticNumber::SIZE, format!("there are more than {most} elements")));
     }
     pieces.push(text.get(copied..).unwrap_or("").to_owned());
     Ok(pieces)

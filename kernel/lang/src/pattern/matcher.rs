@@ -2,9 +2,9 @@
 //!
 //! *Invariant:* every pass of the loop costs one step of the budget, so time and stack are bounded by it.
 
-use super::{BYTES_PER_STEP, Class, Match, Pattern, Step};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::{BYTES_PER_STEP, CharClass, Match, PatternStep, TextPattern};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 
 const NONE: usize = usize::MAX;
 
@@ -19,8 +19,8 @@ enum Back {
 }
 
 /// A search in a text, with the memory that all attempts share.
-pub(super) struct Search<'a> {
-    pattern: &'a Pattern,
+pub(super) struct PatternSearch<'a> {
+    pattern: &'a TextPattern,
     text: &'a str,
     slots: Vec<usize>,
     stack: Vec<Back>,
@@ -28,9 +28,9 @@ pub(super) struct Search<'a> {
     pub(super) found: Match,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(pattern: &'a Pattern, text: &'a str) -> Search<'a> {
-        Search { pattern, text, slots: vec![NONE; pattern.slots], stack: Vec::new(), found: Match::default() }
+impl<'a> PatternSearch<'a> {
+    pub(super) fn new(pattern: &'a TextPattern, text: &'a str) -> PatternSearch<'a> {
+        PatternSearch { pattern, text, slots: vec![NONE; pattern.slots], stack: Vec::new(), found: Match::default() }
     }
 
     /// Finds the leftmost match that begins at byte `from` or later, and leaves it in `found`.
@@ -67,36 +67,36 @@ const MOST_KEPT: usize = 4096;
 
 /// Slots and stack of a search, kept for the next one.
 #[derive(Debug, Default)]
-pub(super) struct Memory {
+pub(super) struct MatcherMemory {
     slots: Vec<usize>,
     stack: Vec<Back>,
 }
 
 /// Finds the leftmost match; allocates nothing once the memory has grown.
 pub(super) fn find_with(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     budget: &mut u64,
-    memory: &mut super::Memory,
+    memory: &mut super::SearchMemory,
 ) -> Outcome<Option<Match>> {
-    let Memory { mut slots, stack } = std::mem::take(&mut memory.0);
+    let MatcherMemory { mut slots, stack } = std::mem::take(&mut memory.0);
     slots.clear();
     slots.resize(pattern.slots, NONE);
-    let mut search = Search { pattern, text, slots, stack, found: Match::default() };
+    let mut search = PatternSearch { pattern, text, slots, stack, found: Match::default() };
     let found = search.find(0, budget);
     if search.stack.capacity() > MOST_KEPT {
         search.stack = Vec::new();
     }
-    let Search { slots, stack, found: place, .. } = search;
-    memory.0 = Memory { slots, stack };
+    let PatternSearch { slots, stack, found: place, .. } = search;
+    memory.0 = MatcherMemory { slots, stack };
     Ok(found?.then_some(place))
 }
 
 /// Place of the next character of a class.
-fn ahead(text: &str, from: usize, class: &Class) -> Option<usize> {
+fn ahead(text: &str, from: usize, class: &CharClass) -> Option<usize> {
     let rest = text.get(from..)?;
     let found = match class {
-        Class::One(one) => rest.find(*one),
+        CharClass::One(one) => rest.find(*one),
         class => rest.char_indices().find(|(_, character)| class.holds(*character)).map(|(at, _)| at),
     };
     Some(from + found?)
@@ -128,7 +128,7 @@ fn is_word(character: Option<char>) -> bool {
 }
 
 fn attempt(
-    pattern: &Pattern,
+    pattern: &TextPattern,
     text: &str,
     start: usize,
     slots: &mut [usize],
@@ -138,17 +138,20 @@ fn attempt(
     let (mut step, mut at) = (0usize, start);
     loop {
         if *budget == 0 {
-            return Err(Fault::new(Number::BACKTRACKING, "this regular expression needs too many steps on this text"));
+            return Err(MacroFault::new(
+                DiagnosticNumber::BACKTRACKING,
+                "this regular expression needs too many steps on this text",
+            ));
         }
         *budget -= 1;
         let mut good = true;
         match pattern.steps.get(step) {
-            None | Some(Step::Done) => return Ok(true),
-            Some(Step::One(class)) => match character(text, at).filter(|c| class.holds(*c)) {
+            None | Some(PatternStep::Done) => return Ok(true),
+            Some(PatternStep::One(class)) => match character(text, at).filter(|c| class.holds(*c)) {
                 Some(c) => at += c.len_utf8(),
                 None => good = false,
             },
-            Some(Step::Run(class, least, most)) => match run(text, at, class, *least, *most, budget) {
+            Some(PatternStep::Run(class, least, most)) => match run(text, at, class, *least, *most, budget) {
                 Some((low, high)) => {
                     at = high;
                     if low < high {
@@ -157,7 +160,7 @@ fn attempt(
                 }
                 None => good = false,
             },
-            Some(Step::Reference(group)) => match referred(text, slots, *group) {
+            Some(PatternStep::Reference(group)) => match referred(text, slots, *group) {
                 Some(part) => {
                     *budget = budget.saturating_sub((part.len() / BYTES_PER_STEP) as u64);
                     good = text.get(at..).is_some_and(|rest| rest.starts_with(part));
@@ -165,11 +168,11 @@ fn attempt(
                 }
                 None => good = false,
             },
-            Some(Step::Start) => good = at == 0,
-            Some(Step::End) => good = at == text.len(),
-            Some(Step::WordStart) => good = !is_word(before(text, at)) && is_word(character(text, at)),
-            Some(Step::WordEnd) => good = is_word(before(text, at)) && !is_word(character(text, at)),
-            Some(Step::Save(slot) | Step::Mark(slot)) => {
+            Some(PatternStep::Start) => good = at == 0,
+            Some(PatternStep::End) => good = at == text.len(),
+            Some(PatternStep::WordStart) => good = !is_word(before(text, at)) && is_word(character(text, at)),
+            Some(PatternStep::WordEnd) => good = is_word(before(text, at)) && !is_word(character(text, at)),
+            Some(PatternStep::Save(slot) | PatternStep::Mark(slot)) => {
                 if let Some(place) = slots.get_mut(*slot) {
                     // Without a choice to go back to, a failure forgets all places anyway.
                     if !stack.is_empty() {
@@ -178,9 +181,9 @@ fn attempt(
                     *place = at;
                 }
             }
-            Some(Step::Moved(slot)) => good = slots.get(*slot) != Some(&at),
-            Some(Step::Split(target)) => stack.push(Back::Branch(*target, at)),
-            Some(Step::Jump(target)) => {
+            Some(PatternStep::Moved(slot)) => good = slots.get(*slot) != Some(&at),
+            Some(PatternStep::Split(target)) => stack.push(Back::Branch(*target, at)),
+            Some(PatternStep::Jump(target)) => {
                 step = *target;
                 continue;
             }
@@ -194,7 +197,7 @@ fn attempt(
 }
 
 /// Longest run of a class from `at`: the lowest place to give back to and the end.
-fn run(text: &str, at: usize, class: &Class, least: u32, most: u32, budget: &mut u64) -> Option<(usize, usize)> {
+fn run(text: &str, at: usize, class: &CharClass, least: u32, most: u32, budget: &mut u64) -> Option<(usize, usize)> {
     let (mut count, mut place) = (0u32, at);
     let mut low = if least == 0 { Some(at) } else { None };
     while count < most

@@ -1,12 +1,12 @@
 use super::*;
-use crate::diag::Number;
+use crate::diag::DiagnosticNumber;
 
 fn edit(text: &str, pattern: &str, with: &str, which: usize) -> String {
-    Pattern::new(pattern).unwrap().replace(text, with, which).unwrap()
+    TextPattern::new(pattern).unwrap().replace(text, with, which).unwrap()
 }
 
 fn first(text: &str, pattern: &str) -> Option<String> {
-    Pattern::new(pattern).unwrap().nth(text, None, 1).unwrap()
+    TextPattern::new(pattern).unwrap().nth(text, None, 1).unwrap()
 }
 
 #[test]
@@ -15,7 +15,7 @@ fn edits_of_the_reference() {
     assert_eq!(edit("A1B22", "[0-9][0-9]*", "#", 2), "A1B#");
     assert_eq!(edit("/ N20 G64", "^/\\([^0-9]\\)", "/1\\1", 0), "/1 N20 G64");
     assert_eq!(edit("fizz", "zz*", "", 0), "fi");
-    let number = Pattern::new("N\\([0-9]*\\)").unwrap();
+    let number = TextPattern::new("N\\([0-9]*\\)").unwrap();
     assert_eq!(number.nth("N120 G1", Some("\\1"), 1).unwrap().as_deref(), Some("120"));
 }
 
@@ -55,20 +55,20 @@ fn repetitions_and_back_references() {
 fn empty_matches_are_replaced_once_per_place() {
     assert_eq!(edit("abc", "x*", "-", 0), "-a-b-c-");
     assert_eq!(edit("baaac", "a*", "x", 0), "xbxcx");
-    assert_eq!(Pattern::new(",").unwrap().split("a,b,,c", 0).unwrap(), ["a", "b", "", "c"]);
-    assert_eq!(Pattern::new(",").unwrap().split("a,b,,c", 2).unwrap(), ["a", "b,,c"]);
-    assert_eq!(Pattern::new("x").unwrap().split("abc", 0).unwrap(), ["abc"]);
+    assert_eq!(TextPattern::new(",").unwrap().split("a,b,,c", 0).unwrap(), ["a", "b", "", "c"]);
+    assert_eq!(TextPattern::new(",").unwrap().split("a,b,,c", 2).unwrap(), ["a", "b,,c"]);
+    assert_eq!(TextPattern::new("x").unwrap().split("abc", 0).unwrap(), ["abc"]);
 }
 
 #[test]
 fn malformed_and_hostile_expressions_are_refused() {
     for text in ["\\(a", "a\\)", "[a", "a\\{2", "\\{2\\}", "a\\{300\\}", "a\\{3,2\\}", "\\1", "a\\", "[b-a]"] {
-        assert_eq!(Pattern::new(text).unwrap_err().number, Number::BAD_PATTERN, "{text}");
+        assert_eq!(TextPattern::new(text).unwrap_err().number, DiagnosticNumber::BAD_PATTERN, "{text}");
     }
-    let hostile = Pattern::new("\\(\\(a*\\)*\\)*\\(a*\\)*\\1b").unwrap();
-    assert_eq!(hostile.replace(&"a".repeat(2000), "", 0).unwrap_err().number, Number::BACKTRACKING);
-    assert!(Pattern::new("\\(a\\{255\\}b\\)\\{255\\}").is_ok());
-    assert!(Pattern::new("\\(\\(\\(\\(ab\\)\\{200\\}\\)\\{200\\}\\)\\{200\\}\\)").is_err());
+    let hostile = TextPattern::new("\\(\\(a*\\)*\\)*\\(a*\\)*\\1b").unwrap();
+    assert_eq!(hostile.replace(&"a".repeat(2000), "", 0).unwrap_err().number, DiagnosticNumber::BACKTRACKING);
+    assert!(TextPattern::new("\\(a\\{255\\}b\\)\\{255\\}").is_ok());
+    assert!(TextPattern::new("\\(\\(\\(\\(ab\\)\\{200\\}\\)\\{200\\}\\)\\{200\\}\\)").is_err());
 }
 
 #[test]
@@ -85,22 +85,22 @@ fn every_match_contains_the_required_text() {
         ("AB.CDE", "CDE"),
     ];
     for (pattern, literal) in cases {
-        let required = Pattern::new(pattern).unwrap().required();
+        let required = TextPattern::new(pattern).unwrap().required();
         assert!(required == literal || literal.contains(&required) && !required.is_empty(), "{pattern}: {required}");
     }
-    assert_eq!(Pattern::new("[0-9]*").unwrap().required(), "");
+    assert_eq!(TextPattern::new("[0-9]*").unwrap().required(), "");
 }
 
 #[test]
 fn memory_can_be_used_again() {
-    let mut memory = Memory::default();
-    let pattern = Pattern::new("\\(G\\)\\([0-9]*\\)").unwrap();
+    let mut memory = SearchMemory::default();
+    let pattern = TextPattern::new("\\(G\\)\\([0-9]*\\)").unwrap();
     for text in ["N1 G54", "N2", "G1"] {
         let mut budget = STEPS;
         let again = pattern.find_with(text, &mut budget, &mut memory).unwrap();
         assert_eq!(again, pattern.find(text, 0, &mut STEPS.clone()).unwrap(), "{text}");
         if let Some(found) = again {
-            assert!(Pattern::filled("<\\2>", text, &found).starts_with('<'));
+            assert!(TextPattern::filled("<\\2>", text, &found).starts_with('<'));
         }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! *Invariant:* the remembered texts of either kind take at most [`MOST_REMEMBERED`] bytes and [`MOST`] texts.
 
-use crate::format::Format;
-use crate::pattern::Pattern;
+use crate::format::StringFormat;
+use crate::pattern::TextPattern;
 use rustc_hash::FxHashMap;
 use std::hash::Hash;
 use std::sync::Arc;
@@ -42,24 +42,24 @@ impl<K: Eq + Hash, V> Cache<K, V> {
 /// Compiled formats and regular expressions.
 #[derive(Debug, Default)]
 pub struct Compiled {
-    formats: Cache<(String, bool), Format>,
-    patterns: Cache<String, Pattern>,
+    formats: Cache<(String, bool), StringFormat>,
+    patterns: Cache<String, TextPattern>,
 }
 
 impl Compiled {
-    pub(super) fn format(&self, text: &str, input: bool) -> Option<Arc<Format>> {
+    pub(super) fn format(&self, text: &str, input: bool) -> Option<Arc<StringFormat>> {
         self.formats.entries.get(&(text.to_owned(), input)).cloned()
     }
 
-    pub(super) fn remember_format(&mut self, text: &str, input: bool, format: &Arc<Format>) {
+    pub(super) fn remember_format(&mut self, text: &str, input: bool, format: &Arc<StringFormat>) {
         self.formats.remember((text.to_owned(), input), format, text.len() + format.size());
     }
 
-    pub(super) fn pattern(&self, text: &str) -> Option<Arc<Pattern>> {
+    pub(super) fn pattern(&self, text: &str) -> Option<Arc<TextPattern>> {
         self.patterns.entries.get(text).cloned()
     }
 
-    pub(super) fn remember_pattern(&mut self, text: &str, pattern: &Arc<Pattern>) {
+    pub(super) fn remember_pattern(&mut self, text: &str, pattern: &Arc<TextPattern>) {
         self.patterns.remember(text.to_owned(), pattern, text.len() + pattern.size());
     }
 }

@@ -4,9 +4,9 @@
 //! reach are weighed. Invariants: a run is refused before its values take more than the budget. Whether that happens
 //! depends on the actions of the macros, never on other owners of a value, nor on time.
 
-use super::State;
+use super::MacroState;
 use crate::fault::Outcome;
-use crate::value::{Elements, Value};
+use crate::value::{Elements, MacroValue};
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ pub(crate) const fn array(size: usize) -> usize {
 
 /// Adds up the memory of values; memory that several of them share counts once.
 #[derive(Debug, Default)]
-pub struct Scale {
+pub struct MemoryTally {
     shared: FxHashSet<usize>,
     /// Bytes so far.
     pub bytes: u64,
@@ -46,17 +46,19 @@ pub struct Scale {
     pub(crate) largest: (u64, String),
 }
 
-impl Scale {
+impl MemoryTally {
     /// Adds a value.
-    pub fn add(&mut self, value: &Value) {
+    pub fn add(&mut self, value: &MacroValue) {
         self.visited += 1;
         match value {
-            Value::Text(held) if self.is_new_text(held) => self.weigh(text(held.len())),
-            Value::Sequence(held) if self.is_new(Elements::strong_count(held), Elements::as_ptr(held) as usize) => {
+            MacroValue::Text(held) if self.is_new_text(held) => self.weigh(text(held.len())),
+            MacroValue::Sequence(held)
+                if self.is_new(Elements::strong_count(held), Elements::as_ptr(held) as usize) =>
+            {
                 self.weigh(sequence(held.len()));
                 held.iter().for_each(|element| self.element(element));
             }
-            Value::Array(held) => {
+            MacroValue::Array(held) => {
                 self.weigh(array(held.elements.len()));
                 held.elements.iter().for_each(|element| self.element(element));
             }
@@ -65,9 +67,9 @@ impl Scale {
     }
 
     /// Adds an element: it is a single value.
-    fn element(&mut self, value: &Value) {
+    fn element(&mut self, value: &MacroValue) {
         self.visited += 1;
-        if let Value::Text(held) = value
+        if let MacroValue::Text(held) = value
             && self.is_new_text(held)
         {
             self.weigh(text(held.len()));
@@ -99,7 +101,7 @@ impl Scale {
 
 /// The memory of macros and its limits.
 #[derive(Debug, Default)]
-pub(crate) struct Memory {
+pub(crate) struct MacroMemory {
     /// Bytes that may be kept.
     pub(crate) limit: u64,
     /// Weighed last: values that outlive a run, and the macros that run.
@@ -115,13 +117,13 @@ pub(crate) struct Memory {
     pub(crate) over: Option<String>,
 }
 
-impl Memory {
-    pub(crate) fn new(limit: usize) -> Memory {
-        Memory { limit: limit as u64, room: limit as u64, ..Memory::default() }
+impl MacroMemory {
+    pub(crate) fn new(limit: usize) -> MacroMemory {
+        MacroMemory { limit: limit as u64, room: limit as u64, ..MacroMemory::default() }
     }
 }
 
-impl State {
+impl MacroState {
     /// Counts bytes that are made.
     #[inline]
     pub fn grow(&mut self, bytes: usize) {
@@ -162,17 +164,17 @@ impl State {
     }
 
     /// Counts a value that was made just now: pays for it and for its memory.
-    pub(crate) fn made(&mut self, value: &Value) -> Outcome<()> {
+    pub(crate) fn made(&mut self, value: &MacroValue) -> Outcome<()> {
         match value {
-            Value::Text(held) if Arc::strong_count(held) == 1 => {
+            MacroValue::Text(held) if Arc::strong_count(held) == 1 => {
                 self.grow(text(held.len()));
                 if held.len() >= 64 { self.spend(held.len() / 64) } else { Ok(()) }
             }
-            Value::Sequence(held) if Elements::strong_count(held) == 1 => {
+            MacroValue::Sequence(held) if Elements::strong_count(held) == 1 => {
                 self.spend(held.len() / PER_TICK)?;
                 self.grow(sequence(held.len()));
                 for element in held.iter() {
-                    if let Value::Text(held) = element
+                    if let MacroValue::Text(held) = element
                         && Arc::strong_count(held) == 1
                     {
                         self.grow(text(held.len()));
@@ -180,7 +182,7 @@ impl State {
                 }
                 Ok(())
             }
-            Value::Array(held) => {
+            MacroValue::Array(held) => {
                 self.grow(array(held.elements.len()));
                 self.spend(held.elements.len() / PER_TICK)
             }

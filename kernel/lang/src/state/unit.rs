@@ -1,15 +1,15 @@
 //! Open units: text files as macros read and write them.
 
-use super::State;
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use super::MacroState;
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 
 /// Bytes that a line takes besides its text.
 pub(crate) const LINE: usize = 48;
 
 /// An open unit.
 #[derive(Debug, Default)]
-pub(crate) struct Unit {
+pub(crate) struct OpenUnit {
     pub(crate) path: String,
     pub(crate) lines: Vec<String>,
     pub(crate) next: usize,
@@ -25,7 +25,7 @@ pub(crate) struct Unit {
     pub(crate) writable: Option<i32>,
 }
 
-impl Unit {
+impl OpenUnit {
     /// Memory that it takes.
     pub(crate) fn bytes(&self) -> usize {
         self.read + self.written + self.lines.len() * LINE
@@ -38,16 +38,16 @@ pub(crate) fn unit_number(value: f64) -> Outcome<u8> {
     if (20.0..30.0).contains(&value) {
         return Ok(value as u8);
     }
-    Err(Fault::new(Number::UNITS, format!("{value} is not a unit; units are 20 to 29")))
+    Err(MacroFault::new(DiagnosticNumber::UNITS, format!("{value} is not a unit; units are 20 to 29")))
 }
 
-impl State {
+impl MacroState {
     /// End-of-file test of a unit.
     pub(crate) fn unit_at_end(&self, number: f64) -> Outcome<bool> {
         let number = unit_number(number)?;
         match self.units.get(&number) {
             Some(unit) => Ok(!unit.console && unit.next >= unit.lines.len()),
-            None => Err(Fault::new(Number::UNIT_NOT_OPEN, format!("the unit {number} is not open"))),
+            None => Err(MacroFault::new(DiagnosticNumber::UNIT_NOT_OPEN, format!("the unit {number} is not open"))),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Cost of work on values: ranges and joins of values.
 
-use super::{State, memory};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::value::{Array, Elements, Kind, Value};
+use super::{MacroState, memory};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::value::{Array, Elements, MacroValue, ValueType};
 use std::sync::Arc;
 
 /// Whole part of an index.
@@ -14,102 +14,102 @@ pub(crate) fn whole(number: f64) -> i64 {
 }
 
 /// A value for a variable of a declared type.
-pub(crate) fn typed(value: &Value, kind: Kind) -> Outcome<Value> {
+pub(crate) fn typed(value: &MacroValue, kind: ValueType) -> Outcome<MacroValue> {
     match value {
-        Value::Unset => Ok(kind.initial()),
+        MacroValue::Unset => Ok(kind.initial()),
         value if value.kind() == Some(kind) => Ok(value.clone()),
         value => {
             let message = format!("the variable is of type {}, the value is {}", kind.name(), value.kind_name());
-            Err(Fault::new(Number::TYPED_STORE, message))
+            Err(MacroFault::new(DiagnosticNumber::TYPED_STORE, message))
         }
     }
 }
 
 /// Pays for the copying of a long value, so that the budget bounds the time.
-pub(crate) fn pay(state: &mut State, value: &Value) -> Outcome<()> {
+pub(crate) fn pay(state: &mut MacroState, value: &MacroValue) -> Outcome<()> {
     match value {
-        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
-        Value::Sequence(elements) if elements.len() >= 4 => state.spend(elements.len() / 4),
+        MacroValue::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        MacroValue::Sequence(elements) if elements.len() >= 4 => state.spend(elements.len() / 4),
         _ => Ok(()),
     }
 }
 
 /// Pays for looking through a long value, or for copying an array.
-pub(crate) fn pay_to_look(state: &mut State, value: &Value) -> Outcome<()> {
+pub(crate) fn pay_to_look(state: &mut MacroState, value: &MacroValue) -> Outcome<()> {
     match value {
-        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
-        Value::Sequence(elements) if elements.len() >= 16 => state.spend(elements.len() / 16),
-        Value::Array(array) => state.spend(array.elements.len() / 4),
+        MacroValue::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        MacroValue::Sequence(elements) if elements.len() >= 16 => state.spend(elements.len() / 16),
+        MacroValue::Array(array) => state.spend(array.elements.len() / 4),
         _ => Ok(()),
     }
 }
 
 /// Pays for writing a value as text.
-pub(crate) fn pay_to_write(state: &mut State, value: &Value) -> Outcome<()> {
+pub(crate) fn pay_to_write(state: &mut MacroState, value: &MacroValue) -> Outcome<()> {
     match value {
-        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
-        Value::Sequence(elements) => state.spend(elements.len() * 2),
-        Value::Array(array) => state.spend(array.elements.len() * 2),
+        MacroValue::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        MacroValue::Sequence(elements) => state.spend(elements.len() * 2),
+        MacroValue::Array(array) => state.spend(array.elements.len() * 2),
         _ => Ok(()),
     }
 }
 
 /// Pays for looking at every element, with the text of those that are texts.
-pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outcome<()> {
+pub(crate) fn pay_to_look_inside(state: &mut MacroState, elements: &[MacroValue]) -> Outcome<()> {
     state.spend(elements.len() / 4)?;
-    let bytes: usize = elements.iter().filter_map(Value::as_text).map(str::len).sum();
+    let bytes: usize = elements.iter().filter_map(MacroValue::as_text).map(str::len).sum();
     state.spend(bytes / 64)
 }
 
 /// Pays for the copy that changing a value in place needs when another variable also has the value.
-pub(crate) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
+pub(crate) fn pay_if_shared(state: &mut MacroState, value: &MacroValue) -> Outcome<()> {
     match value {
-        Value::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),
-        Value::Sequence(held) if Elements::strong_count(held) > 1 => state.grow(memory::sequence(held.len())),
+        MacroValue::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),
+        MacroValue::Sequence(held) if Elements::strong_count(held) > 1 => state.grow(memory::sequence(held.len())),
         _ => return Ok(()),
     }
     pay(state, value)
 }
 
 /// Pays for appended values.
-pub(crate) fn pay_to_append(state: &mut State, target: &Value, more: &Value) -> Outcome<()> {
+pub(crate) fn pay_to_append(state: &mut MacroState, target: &MacroValue, more: &MacroValue) -> Outcome<()> {
     match (target, more) {
-        (Value::Text(_), Value::Text(more)) => state.grow(more.len()),
-        (Value::Sequence(_), Value::Sequence(more)) => state.grow(more.len() * memory::ELEMENT),
-        (Value::Sequence(_), _) => state.grow(memory::ELEMENT),
+        (MacroValue::Text(_), MacroValue::Text(more)) => state.grow(more.len()),
+        (MacroValue::Sequence(_), MacroValue::Sequence(more)) => state.grow(more.len() * memory::ELEMENT),
+        (MacroValue::Sequence(_), _) => state.grow(memory::ELEMENT),
         _ => {}
     }
     pay(state, more)
 }
 
 /// Bytes that a value can add to its owner; a value without text or elements adds none.
-pub(crate) fn weight(value: &Value) -> usize {
-    if !matches!(value, Value::Text(_) | Value::Sequence(_) | Value::Array(_)) {
+pub(crate) fn weight(value: &MacroValue) -> usize {
+    if !matches!(value, MacroValue::Text(_) | MacroValue::Sequence(_) | MacroValue::Array(_)) {
         return 0;
     }
-    let mut scale = memory::Scale::default();
+    let mut scale = memory::MemoryTally::default();
     scale.add(value);
     usize::try_from(scale.bytes).unwrap_or(usize::MAX)
 }
 
 /// A copy that shares no memory with the value: kernels must not notice the effect of other kernels on exchanged
 /// values.
-pub(crate) fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
-    let own = |value: &Value| match value {
-        Value::Text(text) if text.len() >= 64 => Value::text(text.as_str()),
+pub(crate) fn detached(state: &mut MacroState, value: &MacroValue) -> Outcome<MacroValue> {
+    let own = |value: &MacroValue| match value {
+        MacroValue::Text(text) if text.len() >= 64 => MacroValue::text(text.as_str()),
         other => other.clone(),
     };
     match value {
-        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64)?,
-        Value::Sequence(elements) => pay_to_look_inside(state, elements)?,
-        Value::Array(array) => pay_to_look_inside(state, &array.elements)?,
+        MacroValue::Text(text) if text.len() >= 64 => state.spend(text.len() / 64)?,
+        MacroValue::Sequence(elements) => pay_to_look_inside(state, elements)?,
+        MacroValue::Array(array) => pay_to_look_inside(state, &array.elements)?,
         _ => {}
     }
     Ok(match value {
-        Value::Sequence(elements) => Value::sequence(elements.iter().map(own).collect()),
-        Value::Array(array) => {
+        MacroValue::Sequence(elements) => MacroValue::sequence(elements.iter().map(own).collect()),
+        MacroValue::Array(array) => {
             let elements = array.elements.iter().map(own).collect();
-            Value::Array(Box::new(Array { elements, sizes: array.sizes.clone(), ..**array }))
+            MacroValue::Array(Box::new(Array { elements, sizes: array.sizes.clone(), ..**array }))
         }
         single => own(single),
     })
@@ -119,24 +119,26 @@ pub(crate) fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
 ///
 /// # Errors
 /// An index below 1, or a value without a range.
-pub fn range(value: &Value, from: i64, to: i64) -> Outcome<Value> {
+pub fn range(value: &MacroValue, from: i64, to: i64) -> Outcome<MacroValue> {
     if from < 1 || to < 0 {
-        return Err(Fault::new(Number::OUT_OF_RANGE, "a range starts at 1 or later"));
+        return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, "a range starts at 1 or later"));
     }
     let start = usize::try_from(from - 1).unwrap_or(usize::MAX);
     let count = usize::try_from(to.saturating_sub(from).saturating_add(1)).unwrap_or(0);
     match value {
-        Value::Sequence(elements) => Ok(Value::sequence(elements.iter().skip(start).take(count).cloned().collect())),
-        Value::Text(text) => {
+        MacroValue::Sequence(elements) => {
+            Ok(MacroValue::sequence(elements.iter().skip(start).take(count).cloned().collect()))
+        }
+        MacroValue::Text(text) => {
             if text.is_ascii() {
                 let start = start.min(text.len());
                 let end = start.saturating_add(count).min(text.len());
-                return Ok(Value::text(text.get(start..end).unwrap_or("")));
+                return Ok(MacroValue::text(text.get(start..end).unwrap_or("")));
             }
-            Ok(Value::text(text.chars().skip(start).take(count).collect::<String>()))
+            Ok(MacroValue::text(text.chars().skip(start).take(count).collect::<String>()))
         }
-        Value::Unset => Ok(Value::text("")),
-        other => Err(Fault::kind("a text or a sequence", other)),
+        MacroValue::Unset => Ok(MacroValue::text("")),
+        other => Err(MacroFault::kind("a text or a sequence", other)),
     }
 }
 
@@ -144,15 +146,15 @@ pub fn range(value: &Value, from: i64, to: i64) -> Outcome<Value> {
 ///
 /// # Errors
 /// There are too many elements.
-pub fn sequence_of<'a>(state: &State, values: impl Iterator<Item = &'a Value>) -> Outcome<Value> {
+pub fn sequence_of<'a>(state: &MacroState, values: impl Iterator<Item = &'a MacroValue>) -> Outcome<MacroValue> {
     let mut elements = Vec::new();
     for value in values {
         match value {
-            Value::Sequence(inner) => elements.extend(inner.iter().cloned()),
-            Value::Array(_) => return Err(Fault::kind("a single value", value)),
+            MacroValue::Sequence(inner) => elements.extend(inner.iter().cloned()),
+            MacroValue::Array(_) => return Err(MacroFault::kind("a single value", value)),
             single => elements.push(single.clone()),
         }
         state.check_elements(elements.len())?;
     }
-    Ok(Value::sequence(elements))
+    Ok(MacroValue::sequence(elements))
 }

@@ -3,16 +3,16 @@
 //! *Invariant:* nothing but registers of the body changes until its result is given; see [`Body`].
 
 use super::fast::Window;
-use crate::bytecode::Code;
+use crate::bytecode::CompiledMacro;
 use crate::bytecode::body::Body;
 use crate::bytecode::fast::Near;
-use crate::value::{Kind, Value};
+use crate::value::{MacroValue, ValueType};
 
 /// A call whose body runs.
 #[derive(Clone, Copy)]
-pub(super) struct Running<'p> {
+pub(super) struct InlineCall<'p> {
     /// The caller, and its instruction.
-    pub(super) code: &'p Code,
+    pub(super) code: &'p CompiledMacro,
     pub(super) at: usize,
     /// Ticks before the call.
     pub(super) ticks: u64,
@@ -31,7 +31,7 @@ pub(super) fn begin(window: &mut Window, body: &Body) -> bool {
 #[inline(never)]
 fn prepare(window: &mut Window, body: &Body) -> bool {
     for (argument, kind) in &body.typed {
-        if window.get(usize::from(*argument)).and_then(Value::kind) != Some(*kind) {
+        if window.get(usize::from(*argument)).and_then(MacroValue::kind) != Some(*kind) {
             return false;
         }
     }
@@ -40,13 +40,13 @@ fn prepare(window: &mut Window, body: &Body) -> bool {
     }
     for variable in &body.cleared {
         if let Some(register) = window.get_mut(usize::from(*variable)) {
-            super::run::become_plain(register, Value::Unset);
+            super::run::become_plain(register, MacroValue::Unset);
         }
     }
     if body.is_null_first
         && let Some(register) = window.get_mut(usize::from(body.result))
     {
-        super::run::become_plain(register, Value::Null);
+        super::run::become_plain(register, MacroValue::Null);
     }
     true
 }
@@ -61,9 +61,9 @@ fn copy(window: &mut Window, to: Near, from: Near) {
 
 /// Returns the result of a body to its caller; false if it is not of its type.
 #[inline(always)]
-pub(super) fn give(window: &mut Window, running: &Running<'_>) -> bool {
+pub(super) fn give(window: &mut Window, running: &InlineCall<'_>) -> bool {
     match window.get(usize::from(running.body.result)) {
-        Some(Value::Real(number)) if matches!(running.body.kind, None | Some(Kind::Real)) => {
+        Some(MacroValue::Real(number)) if matches!(running.body.kind, None | Some(ValueType::Real)) => {
             let number = *number;
             if let Some(register) = window.get_mut(usize::from(running.to)) {
                 super::run::put(register, number);
@@ -75,9 +75,9 @@ pub(super) fn give(window: &mut Window, running: &Running<'_>) -> bool {
 }
 
 #[inline(never)]
-fn give_any(window: &mut Window, running: &Running<'_>) -> bool {
+fn give_any(window: &mut Window, running: &InlineCall<'_>) -> bool {
     let Some(value) = window.get(usize::from(running.body.result)) else { return false };
-    if !matches!(value, Value::Null) && running.body.kind.is_some_and(|kind| value.kind() != Some(kind)) {
+    if !matches!(value, MacroValue::Null) && running.body.kind.is_some_and(|kind| value.kind() != Some(kind)) {
         return false;
     }
     let value = value.clone();

@@ -1,37 +1,37 @@
 //! Entering and leaving macros.
 
-use super::run::{self, Stop};
-use super::{End, report, shown};
+use super::run::{self, MacroStop};
+use super::{MacroEnd, report, shown};
 use crate::bytecode::fast::WINDOW;
-use crate::bytecode::{Code, Slot};
-use crate::diag::Number;
-use crate::fault::Fault;
-use crate::host::{Host, Step};
-use crate::program::Program;
+use crate::bytecode::{CompiledMacro, Slot};
+use crate::diag::DiagnosticNumber;
+use crate::fault::MacroFault;
+use crate::host::{MacroHost, TraceStep};
+use crate::program::MacroProgram;
 use crate::source::Span;
-use crate::state::{Frame, State, typed};
-use crate::value::{Kind, Value};
+use crate::state::{MacroFrame, MacroState, typed};
+use crate::value::{MacroValue, ValueType};
 use std::sync::Arc;
 
 /// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
 pub(super) fn enter(
-    program: &Program,
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
+    program: &MacroProgram,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
     index: u16,
-    arguments: &mut [Value],
-) -> End {
+    arguments: &mut [MacroValue],
+) -> MacroEnd {
     let mut frame = match take(program, state, code, index) {
         Ok(frame) => frame,
         Err(fault) => {
             report(code, code.places.first().copied().unwrap_or_default(), *fault, 8, state, host);
-            return End::Error;
+            return MacroEnd::Error;
         }
     };
     let registers = frame.registers.as_mut_slice();
     for (slot, _) in &code.signature.parameters {
-        run::set(registers, *slot, Value::Unset);
+        run::set(registers, *slot, MacroValue::Unset);
     }
     for (number, slot) in &code.signature.arguments {
         if let Some(value) = arguments.get(usize::from(*number) - 1) {
@@ -59,48 +59,48 @@ pub(super) fn enter(
 /// Finds a function to be called and its registers.
 #[inline]
 pub(super) fn call<'p>(
-    program: &'p Program,
-    state: &mut State,
+    program: &'p MacroProgram,
+    state: &mut MacroState,
     callee: u16,
-) -> Result<(&'p Code, Box<Frame>), Box<Fault>> {
+) -> Result<(&'p CompiledMacro, Box<MacroFrame>), Box<MacroFault>> {
     state.spend(5)?;
     match program.macros.get(usize::from(callee)) {
         Some(code) => Ok((code, take(program, state, code, callee)?)),
-        None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function does not exist"))),
+        None => Err(Box::new(MacroFault::new(DiagnosticNumber::UNKNOWN_FUNCTION, "this function does not exist"))),
     }
 }
 
 /// Notes that a macro runs.
 #[inline]
-pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
+pub(super) fn begin(state: &mut MacroState, host: &mut dyn MacroHost, code: &CompiledMacro) {
     state.depth += 1;
     if !code.statements.is_empty() {
-        host.trace(Step::Entering(shown(code)));
+        host.trace(TraceStep::Entering(shown(code)));
         state.calls.names.push(code.name.clone());
     }
 }
 
 /// Notes that a macro has ended.
 #[inline]
-pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
+pub(super) fn leave(state: &mut MacroState, host: &mut dyn MacroHost, code: &CompiledMacro) {
     state.depth -= 1;
     if !code.statements.is_empty() {
         state.calls.names.pop();
-        host.trace(Step::Leaving(shown(code), state.calls.names.last().map(String::as_str)));
+        host.trace(TraceStep::Leaving(shown(code), state.calls.names.last().map(String::as_str)));
     }
 }
 
 /// Makes the registers of a macro free for its next run.
 #[inline]
-pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
+pub(super) fn put_back(state: &mut MacroState, frame: Box<MacroFrame>) {
     if let Some(place) = state.calls.frames.get_mut(usize::from(frame.index)) {
         *place = Some(frame);
     }
 }
 
 /// Result of the last run of a function.
-pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
-    static NULL: Value = Value::Null;
+pub(super) fn result<'a>(state: &'a MacroState, code: &CompiledMacro, index: u16) -> &'a MacroValue {
+    static NULL: MacroValue = MacroValue::Null;
     match (code.signature.result, state.calls.frames.get(usize::from(index))) {
         (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
         _ => &NULL,
@@ -109,8 +109,8 @@ pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value
 
 /// Returns the result of a function to its caller.
 #[inline]
-pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot) {
-    let Some((result, _)) = code.signature.result else { return run::set(caller, to, Value::Null) };
+pub(super) fn give(code: &CompiledMacro, frame: &[MacroValue], caller: &mut [MacroValue], to: Slot) {
+    let Some((result, _)) = code.signature.result else { return run::set(caller, to, MacroValue::Null) };
     match run::number(frame, result) {
         Some(number) => run::set_number(caller, to, number),
         None => run::set(caller, to, run::get(frame, result).clone()),
@@ -120,7 +120,12 @@ pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot)
 /// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`. A macro that is
 /// running already is refused, and too many macros at once.
 #[inline]
-fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result<Box<Frame>, Box<Fault>> {
+fn take(
+    program: &MacroProgram,
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    index: u16,
+) -> Result<Box<MacroFrame>, Box<MacroFault>> {
     let mut frame = match state.calls.frames.get_mut(usize::from(index)) {
         // Short forms work on a window of fixed size, so every frame has that much more than it needs.
         Some(place) if state.depth < state.limits.depth => match place.take() {
@@ -135,14 +140,14 @@ fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result
 
 /// Unsets the variables of a macro and its result.
 #[inline(always)]
-fn clear(code: &Code, registers: &mut [Value]) {
+fn clear(code: &CompiledMacro, registers: &mut [MacroValue]) {
     for slot in &code.registers.locals {
         if let Some(register) = registers.get_mut(usize::from(*slot)) {
-            run::become_plain(register, Value::Unset);
+            run::become_plain(register, MacroValue::Unset);
         }
     }
     if let Some(register) = code.signature.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
-        run::become_plain(register, Value::Null);
+        run::become_plain(register, MacroValue::Null);
     }
 }
 
@@ -150,41 +155,41 @@ fn clear(code: &Code, registers: &mut [Value]) {
 #[cold]
 #[inline(never)]
 fn fresh(
-    program: &Program,
-    state: &mut State,
-    code: &Code,
-    (index, old): (u16, Option<Box<Frame>>),
-) -> Result<Box<Frame>, Box<Fault>> {
+    program: &MacroProgram,
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    (index, old): (u16, Option<Box<MacroFrame>>),
+) -> Result<Box<MacroFrame>, Box<MacroFault>> {
     if state.depth >= state.limits.depth {
         let message = format!("more than {} macros are active", state.limits.depth);
-        return Err(Box::new(Fault::new(Number::DEPTH, message)));
+        return Err(Box::new(MacroFault::new(DiagnosticNumber::DEPTH, message)));
     }
     let slot = usize::from(index);
     if old.is_none() && slot < state.calls.frames.len() {
         let name = program.macros.get(slot).map_or("the macro", |code| code.name.as_str());
-        return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is already running"))));
+        return Err(Box::new(MacroFault::new(DiagnosticNumber::RE_ENTERED, format!("{name} is already running"))));
     }
     if state.calls.frames.len() <= slot {
         state.calls.frames.resize_with(slot, || Some(Box::default()));
         state.calls.frames.push(None);
     }
-    let mut registers = vec![Value::Unset; code.registers.count + WINDOW];
+    let mut registers = vec![MacroValue::Unset; code.registers.count + WINDOW];
     for (slot, value) in &code.registers.constants {
         run::set(&mut registers, *slot, value.clone());
     }
-    Ok(Box::new(Frame { registers, index, ..Frame::default() }))
+    Ok(Box::new(MacroFrame { registers, index, ..MacroFrame::default() }))
 }
 
 /// Calls a function if nothing prevents it and it is not traced: `frame` becomes that of the function. `call`
 /// is the place of the call, the register of the result, the function, and the list of the arguments.
 #[inline(never)]
 pub(super) fn quick_call<'p>(
-    program: &'p Program,
-    state: &mut State,
-    code: &Code,
-    frame: &mut Box<Frame>,
+    program: &'p MacroProgram,
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    frame: &mut Box<MacroFrame>,
     (at, to, callee, list): (usize, u8, u16, u16),
-) -> Option<&'p Code> {
+) -> Option<&'p CompiledMacro> {
     let function = program.macros.get(usize::from(callee))?.as_ref();
     let given = code.lists.get(usize::from(list))?;
     let place = state.calls.frames.get_mut(usize::from(callee))?;
@@ -199,7 +204,7 @@ pub(super) fn quick_call<'p>(
     for ((parameter, kind), from) in function.signature.parameters.iter().zip(given) {
         let (value, parameter) = (own.get(usize::from(*from))?, registers.get_mut(usize::from(*parameter))?);
         match (value, parameter) {
-            (Value::Real(number), parameter) if kind.is_none_or(|kind| kind == Kind::Real) => {
+            (MacroValue::Real(number), parameter) if kind.is_none_or(|kind| kind == ValueType::Real) => {
                 run::put(parameter, *number)
             }
             (value, parameter) if kind.is_none_or(|kind| value.kind() == Some(kind)) => give_value(parameter, value),
@@ -215,9 +220,9 @@ pub(super) fn quick_call<'p>(
 }
 
 #[inline(never)]
-fn give_value(register: &mut Value, value: &Value) {
+fn give_value(register: &mut MacroValue, value: &MacroValue) {
     match (&*register, value) {
-        (Value::Text(old), Value::Text(new)) if Arc::ptr_eq(old, new) => {}
+        (MacroValue::Text(old), MacroValue::Text(new)) if Arc::ptr_eq(old, new) => {}
         _ => *register = value.clone(),
     }
 }
@@ -226,15 +231,15 @@ fn give_value(register: &mut Value, value: &Value) {
 /// that of the caller. Returns the caller and the place of the call.
 #[inline(never)]
 pub(super) fn quick_return<'p>(
-    program: &'p Program,
-    state: &mut State,
-    code: &Code,
-    frame: &mut Box<Frame>,
-) -> Option<(&'p Code, usize)> {
+    program: &'p MacroProgram,
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    frame: &mut Box<MacroFrame>,
+) -> Option<(&'p CompiledMacro, usize)> {
     let (result, kind) = code.signature.result?;
     let value = frame.registers.get(usize::from(result))?;
     let fits = match value {
-        Value::Null => true,
+        MacroValue::Null => true,
         value => kind.is_none_or(|kind| value.kind() == Some(kind)),
     };
     if !fits || !code.statements.is_empty() {
@@ -259,10 +264,15 @@ pub(super) fn quick_return<'p>(
 
 /// Copies arguments from the registers `list` of the caller into the parameters of a function.
 #[inline]
-pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[Slot]) -> Result<(), Fault> {
+pub(super) fn fill(
+    code: &CompiledMacro,
+    frame: &mut [MacroValue],
+    caller: &[MacroValue],
+    given: &[Slot],
+) -> Result<(), MacroFault> {
     for ((slot, kind), from) in code.signature.parameters.iter().zip(given) {
         match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
-            (Value::Real(number), None | Some(Kind::Real), Some(parameter)) => run::put(parameter, *number),
+            (MacroValue::Real(number), None | Some(ValueType::Real), Some(parameter)) => run::put(parameter, *number),
             (value, None, Some(parameter)) => *parameter = value.clone(),
             (value, Some(kind), Some(parameter)) => *parameter = typed(value, *kind)?,
             (_, _, None) => {}
@@ -273,45 +283,67 @@ pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[
 
 /// Checks the result of a macro that came to its end.
 #[inline]
-pub(super) fn finished(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> End {
+pub(super) fn finished(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+) -> MacroEnd {
     match code.signature.result {
         Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
-        _ => End::Normal,
+        _ => MacroEnd::Normal,
     }
 }
 
 /// Reports why a macro stopped.
 #[cold]
-pub(super) fn stopped(state: &mut State, host: &mut dyn Host, code: &Code, stop: Stop) -> End {
+pub(super) fn stopped(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    stop: MacroStop,
+) -> MacroEnd {
     let place = |at: usize| code.places.get(at).copied().unwrap_or_default();
     match stop {
-        Stop::Fault(at, fault) => fail(state, host, code, place(at), fault),
-        Stop::Raised(at) => {
+        MacroStop::Fault(at, fault) => fail(state, host, code, place(at), fault),
+        MacroStop::Raised(at) => {
             ended(state, host, code, place(at));
-            End::Error
+            MacroEnd::Error
         }
     }
 }
 
 /// Checks the type of a result.
-fn result_typed(state: &mut State, host: &mut dyn Host, code: &Code, value: &Value, kind: Kind) -> End {
-    if matches!(value, Value::Null) || value.kind() == Some(kind) {
-        return End::Normal;
+fn result_typed(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    value: &MacroValue,
+    kind: ValueType,
+) -> MacroEnd {
+    if matches!(value, MacroValue::Null) || value.kind() == Some(kind) {
+        return MacroEnd::Normal;
     }
     let message = format!("the result is of type {}, not {}", value.kind_name(), kind.name());
     let place = code.places.last().copied().unwrap_or_default();
-    fail(state, host, code, place, Fault::new(Number::TYPED_STORE, message))
+    fail(state, host, code, place, MacroFault::new(DiagnosticNumber::TYPED_STORE, message))
 }
 
 /// Reports a fault and ends the macro.
-fn fail(state: &mut State, host: &mut dyn Host, code: &Code, place: Span, fault: Fault) -> End {
-    let budget = matches!(fault.number, Number::TICKS | Number::MEMORY);
+fn fail(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    place: Span,
+    fault: MacroFault,
+) -> MacroEnd {
+    let budget = matches!(fault.number, DiagnosticNumber::TICKS | DiagnosticNumber::MEMORY);
     report(code, place, fault, 8, state, host);
     ended(state, host, code, place);
-    if budget { End::Budget } else { End::Error }
+    if budget { MacroEnd::Budget } else { MacroEnd::Error }
 }
 
-fn ended(state: &mut State, host: &mut dyn Host, code: &Code, place: Span) {
-    let fault = Fault::new(Number::TERMAC_GENERATED, "TERMAC generated due to error(s).");
+fn ended(state: &mut MacroState, host: &mut dyn MacroHost, code: &CompiledMacro, place: Span) {
+    let fault = MacroFault::new(DiagnosticNumber::TERMAC_GENERATED, "TERMAC generated due to error(s).");
     report(code, place, fault, 0, state, host);
 }

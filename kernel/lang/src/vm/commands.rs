@@ -4,42 +4,42 @@
 
 use super::run::{get, slots};
 use super::{report, units};
-use crate::bytecode::{Code, CommandCode, Slot};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::host::{Command, Host};
-use crate::state::{State, pay_to_look, pay_to_write, whole};
-use crate::value::Value;
+use crate::bytecode::{CommandCode, CompiledMacro, Slot};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::host::{HostCommand, MacroHost};
+use crate::state::{MacroState, pay_to_look, pay_to_write, whole};
+use crate::value::MacroValue;
 
 /// Executes a command; true if the macro issued a diagnostic that ends it.
 pub(super) fn command(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
     (command, list): (CommandCode, u16),
     at: usize,
 ) -> Outcome<bool> {
     let slots = slots(code, list);
-    let first = slots.first().map_or(&Value::Unset, |slot| get(frame, *slot));
-    let number = || first.as_real().ok_or_else(|| Fault::kind("a number", first));
+    let first = slots.first().map_or(&MacroValue::Unset, |slot| get(frame, *slot));
+    let number = || first.as_real().ok_or_else(|| MacroFault::kind("a number", first));
     let request = match command {
-        CommandCode::MatchOn => Command::Match(true),
-        CommandCode::MatchOff => Command::Match(false),
-        CommandCode::MatchAgain => Command::MatchAgain,
-        CommandCode::TapeRead => Command::TapeRead,
-        CommandCode::TapeWrite => Command::TapeWrite,
-        CommandCode::SaveModal => Command::SaveModal,
-        CommandCode::RestoreModal => Command::RestoreModal,
-        CommandCode::ListingOn => Command::Listing(true),
-        CommandCode::ListingOff => Command::Listing(false),
-        CommandCode::Search => Command::Search(whole(number()?)),
-        CommandCode::Skip => Command::Skip(whole(number()?)),
+        CommandCode::MatchOn => HostCommand::Match(true),
+        CommandCode::MatchOff => HostCommand::Match(false),
+        CommandCode::MatchAgain => HostCommand::MatchAgain,
+        CommandCode::TapeRead => HostCommand::TapeRead,
+        CommandCode::TapeWrite => HostCommand::TapeWrite,
+        CommandCode::SaveModal => HostCommand::SaveModal,
+        CommandCode::RestoreModal => HostCommand::RestoreModal,
+        CommandCode::ListingOn => HostCommand::Listing(true),
+        CommandCode::ListingOff => HostCommand::Listing(false),
+        CommandCode::Search => HostCommand::Search(whole(number()?)),
+        CommandCode::Skip => HostCommand::Skip(whole(number()?)),
         CommandCode::Output => return output(state, host, code, frame),
         CommandCode::ExecNextFormat | CommandCode::ExecNowFormat => {
             let text = formatted(state, host, frame, slots)?;
             let now = command == CommandCode::ExecNowFormat;
-            host.command(state, Command::ExecBlock(now, &text))?;
+            host.command(state, HostCommand::ExecBlock(now, &text))?;
             return Ok(false);
         }
         CommandCode::ExecNext | CommandCode::ExecNow => {
@@ -47,16 +47,16 @@ pub(super) fn command(
         }
         CommandCode::Print => {
             let text = formatted(state, host, frame, slots)?;
-            host.command(state, Command::Print(&text))?;
+            host.command(state, HostCommand::Print(&text))?;
             return Ok(false);
         }
         CommandCode::System => {
-            let text = first.as_text().ok_or_else(|| Fault::kind("a text", first))?;
-            state.status = host.command(state, Command::System(text))?;
+            let text = first.as_text().ok_or_else(|| MacroFault::kind("a text", first))?;
+            state.status = host.command(state, HostCommand::System(text))?;
             return Ok(false);
         }
         CommandCode::Open => {
-            let values: Vec<Value> = slots.iter().map(|slot| get(frame, *slot).clone()).collect();
+            let values: Vec<MacroValue> = slots.iter().map(|slot| get(frame, *slot).clone()).collect();
             units::open(state, host, &values)?;
             return Ok(false);
         }
@@ -78,15 +78,20 @@ pub(super) fn command(
 }
 
 /// The values of registers, which are looked at as a whole.
-fn given(state: &mut State, frame: &[Value], slots: &[Slot]) -> Outcome<Vec<Value>> {
+fn given(state: &mut MacroState, frame: &[MacroValue], slots: &[Slot]) -> Outcome<Vec<MacroValue>> {
     slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| pay_to_write(state, value))?;
     Ok(slots.iter().map(|slot| get(frame, *slot).clone()).collect())
 }
 
-fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot]) -> Outcome<String> {
+fn formatted(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    frame: &[MacroValue],
+    slots: &[Slot],
+) -> Outcome<String> {
     let Some((format, values)) = slots.split_first() else { return Ok(String::new()) };
     let text = get(frame, *format);
-    let text = text.as_text().ok_or_else(|| Fault::kind("a format", text))?;
+    let text = text.as_text().ok_or_else(|| MacroFault::kind("a format", text))?;
     let format = state.format(text, false)?;
     let mut out = String::new();
     let values = given(state, frame, values)?;
@@ -96,57 +101,68 @@ fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[S
     Ok(out)
 }
 
-fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> Outcome<bool> {
+fn output(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+) -> Outcome<bool> {
     code.signature.arguments.iter().try_for_each(|(_, slot)| pay_to_look(state, get(frame, *slot)))?;
-    let mut arguments: Vec<(u8, Value)> =
+    let mut arguments: Vec<(u8, MacroValue)> =
         code.signature.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
     arguments.sort_by_key(|(number, _)| *number);
-    host.command(state, Command::Output(&arguments))?;
+    host.command(state, HostCommand::Output(&arguments))?;
     Ok(false)
 }
 
-fn exec(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot], now: bool) -> Outcome<bool> {
+fn exec(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    frame: &[MacroValue],
+    slots: &[Slot],
+    now: bool,
+) -> Outcome<bool> {
     let values = given(state, frame, slots)?;
     match values.as_slice() {
-        [Value::Text(text)] => {
+        [MacroValue::Text(text)] => {
             let text = text.as_ref().clone();
-            host.command(state, Command::ExecBlock(now, &text))?;
+            host.command(state, HostCommand::ExecBlock(now, &text))?;
         }
-        [Value::Text(_), ..] => {
+        [MacroValue::Text(_), ..] => {
             let text = formatted(state, host, frame, slots)?;
-            host.command(state, Command::ExecBlock(now, &text))?;
+            host.command(state, HostCommand::ExecBlock(now, &text))?;
         }
         items => {
-            host.command(state, Command::ExecItems(now, items))?;
+            host.command(state, HostCommand::ExecItems(now, items))?;
         }
     }
     Ok(false)
 }
 
 fn error(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
     slots: &[Slot],
     at: usize,
 ) -> Outcome<bool> {
-    let first = slots.first().map_or(&Value::Unset, |slot| get(frame, *slot));
-    let number = first.as_real().ok_or_else(|| Fault::kind("a severity or a number", first))?;
+    let first = slots.first().map_or(&MacroValue::Unset, |slot| get(frame, *slot));
+    let number = first.as_real().ok_or_else(|| MacroFault::kind("a severity or a number", first))?;
     let place = code.places.get(at).copied().unwrap_or_default();
     let rest = slots.get(1..).unwrap_or(&[]);
     if (0.0..=99.0).contains(&number) {
         let text = formatted(state, host, frame, rest)?;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let severity = number as u8;
-        report(code, place, Fault::new(Number::AUTHOR, text), severity, state, host);
+        report(code, place, MacroFault::new(DiagnosticNumber::AUTHOR, text), severity, state, host);
         return Ok(severity >= 8);
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let index = number.max(0.0) as u32;
     let Some((severity, text)) = host.diagnostic(index) else {
         let message = format!("unknown diagnostic {index:08}");
-        return Err(Fault::new(Number::UNKNOWN_DIAGNOSTIC, message));
+        return Err(MacroFault::new(DiagnosticNumber::UNKNOWN_DIAGNOSTIC, message));
     };
     let format = state.format(&text, false)?;
     let values = given(state, frame, rest)?;
@@ -154,6 +170,6 @@ fn error(
     crate::format::write(&mut out, &format, &values, host)?;
     state.check_text(out.len())?;
     state.spend(out.len() / 16)?;
-    report(code, place, Fault::new(Number(index), out), severity, state, host);
+    report(code, place, MacroFault::new(DiagnosticNumber(index), out), severity, state, host);
     Ok(severity >= 8)
 }

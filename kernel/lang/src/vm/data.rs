@@ -3,63 +3,65 @@
 //! Facts: reference macro-language.md 1.5, 1.7 and 2.
 
 use super::run::{get, slots};
-use crate::bytecode::{Code, NO_SLOT, Shared, Slot};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::host::Host;
-use crate::state::{State, detached, memory, pay_if_shared, pay_to_look, range, sequence_of, typed, weight, whole};
-use crate::value::{Array, Elements, Kind, Value};
+use crate::bytecode::{CompiledMacro, NO_SLOT, SharedVariable, Slot};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::host::MacroHost;
+use crate::state::{
+    MacroState, detached, memory, pay_if_shared, pay_to_look, range, sequence_of, typed, weight, whole,
+};
+use crate::value::{Array, Elements, MacroValue, ValueType};
 use std::sync::Arc;
 
-fn outside(index: i64, length: usize) -> Fault {
-    Fault::new(Number::OUT_OF_RANGE, format!("index {index} is outside 1 to {length}"))
+fn outside(index: i64, length: usize) -> MacroFault {
+    MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, format!("index {index} is outside 1 to {length}"))
 }
 
-pub(super) fn add(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
-    if matches!(a, Value::Text(_)) || matches!(b, Value::Text(_)) {
+pub(super) fn add(state: &MacroState, a: &MacroValue, b: &MacroValue) -> Outcome<MacroValue> {
+    if matches!(a, MacroValue::Text(_)) || matches!(b, MacroValue::Text(_)) {
         return join(state, a, b);
     }
     let (x, y) = (a.as_real(), b.as_real());
     match (x, y) {
-        (Some(x), Some(y)) if (x + y).is_finite() => Ok(Value::Real(x + y)),
-        (Some(_), Some(_)) => Err(Fault::new(Number::BAD_ARITHMETIC, "the result is too large")),
-        (Some(_), None) => Err(Fault::kind("a number", b)),
-        _ => Err(Fault::kind("a number or a text", a)),
+        (Some(x), Some(y)) if (x + y).is_finite() => Ok(MacroValue::Real(x + y)),
+        (Some(_), Some(_)) => Err(MacroFault::new(DiagnosticNumber::BAD_ARITHMETIC, "the result is too large")),
+        (Some(_), None) => Err(MacroFault::kind("a number", b)),
+        _ => Err(MacroFault::kind("a number or a text", a)),
     }
 }
 
-pub(super) fn join(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
-    let x = a.as_text().ok_or_else(|| Fault::kind("a text", a))?;
-    let y = b.as_text().ok_or_else(|| Fault::kind("a text", b))?;
+pub(super) fn join(state: &MacroState, a: &MacroValue, b: &MacroValue) -> Outcome<MacroValue> {
+    let x = a.as_text().ok_or_else(|| MacroFault::kind("a text", a))?;
+    let y = b.as_text().ok_or_else(|| MacroFault::kind("a text", b))?;
     state.check_text(x.len() + y.len())?;
     let mut text = String::with_capacity(x.len() + y.len());
     text.push_str(x);
     text.push_str(y);
-    Ok(Value::text(text))
+    Ok(MacroValue::text(text))
 }
 
 /// `+=`: appends to texts and sequences in place.
-pub(super) fn add_to(state: &State, frame: &mut [Value], to: Slot, a: Slot) -> Outcome<()> {
+pub(super) fn add_to(state: &MacroState, frame: &mut [MacroValue], to: Slot, a: Slot) -> Outcome<()> {
     let value = get(frame, a).clone();
     let Some(target) = frame.get_mut(usize::from(to)) else { return Ok(()) };
     match (target, &value) {
-        (Value::Text(text), value) => {
-            let more = value.as_text().ok_or_else(|| Fault::kind("a text", value))?;
+        (MacroValue::Text(text), value) => {
+            let more = value.as_text().ok_or_else(|| MacroFault::kind("a text", value))?;
             state.check_text(text.len() + more.len())?;
             Arc::make_mut(text).push_str(more);
         }
-        (Value::Sequence(elements), Value::Sequence(more)) => {
+        (MacroValue::Sequence(elements), MacroValue::Sequence(more)) => {
             state.check_elements(elements.len() + more.len())?;
             Elements::make_mut(elements).extend(more.iter().cloned());
         }
-        (Value::Sequence(elements), value) => {
-            if matches!(value, Value::Array(_)) {
-                return Err(Fault::kind("a single value", value));
+        (MacroValue::Sequence(elements), value) => {
+            if matches!(value, MacroValue::Array(_)) {
+                return Err(MacroFault::kind("a single value", value));
             }
             state.check_elements(elements.len() + 1)?;
             Elements::make_mut(elements).push(value.clone());
         }
-        (target @ Value::Unset, Value::Sequence(_)) => *target = value,
+        (target @ MacroValue::Unset, MacroValue::Sequence(_)) => *target = value,
         (target, value) => *target = add(state, target, value)?,
     }
     Ok(())
@@ -67,31 +69,31 @@ pub(super) fn add_to(state: &State, frame: &mut [Value], to: Slot, a: Slot) -> O
 
 /// Element of a sequence or one-dimensional array that is a number.
 #[inline]
-pub(super) fn element_number(value: &Value, index: f64) -> Option<f64> {
+pub(super) fn element_number(value: &MacroValue, index: f64) -> Option<f64> {
     let elements = match value {
-        Value::Array(array) if array.sizes.len() == 1 => &array.elements,
-        Value::Sequence(elements) => elements.as_ref(),
+        MacroValue::Array(array) if array.sizes.len() == 1 => &array.elements,
+        MacroValue::Sequence(elements) => elements.as_ref(),
         _ => return None,
     };
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let position = if index >= 1.0 { index as usize - 1 } else { return None };
     match elements.get(position) {
-        Some(Value::Real(number)) => Some(*number),
+        Some(MacroValue::Real(number)) => Some(*number),
         _ => None,
     }
 }
 
 /// Stores a number into a one-dimensional array of numbers or a sequence; false if it is neither.
 #[inline]
-pub(super) fn set_element_number(frame: &mut [Value], to: Slot, index: f64, number: f64) -> bool {
+pub(super) fn set_element_number(frame: &mut [MacroValue], to: Slot, index: f64, number: f64) -> bool {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let position = if index >= 1.0 { index as usize - 1 } else { return false };
-    let Some(Value::Array(array)) = frame.get_mut(usize::from(to)) else { return false };
+    let Some(MacroValue::Array(array)) = frame.get_mut(usize::from(to)) else { return false };
     if array.sizes.len() != 1 {
         return false;
     }
     match array.elements.get_mut(position) {
-        Some(Value::Real(element)) => {
+        Some(MacroValue::Real(element)) => {
             *element = number;
             true
         }
@@ -99,29 +101,29 @@ pub(super) fn set_element_number(frame: &mut [Value], to: Slot, index: f64, numb
     }
 }
 
-pub(super) fn element(state: &State, value: &Value, indices: &[i64]) -> Outcome<Value> {
+pub(super) fn element(state: &MacroState, value: &MacroValue, indices: &[i64]) -> Outcome<MacroValue> {
     let index = indices.first().copied().unwrap_or(0);
     let position = usize::try_from(index.saturating_sub(1)).ok();
     match value {
-        Value::Array(array) => {
+        MacroValue::Array(array) => {
             let position = array_position(state, array, indices)?;
-            Ok(array.elements.get(position).cloned().unwrap_or(Value::Unset))
+            Ok(array.elements.get(position).cloned().unwrap_or(MacroValue::Unset))
         }
-        Value::Sequence(elements) => {
+        MacroValue::Sequence(elements) => {
             position.and_then(|at| elements.get(at)).cloned().ok_or_else(|| outside(index, elements.len()))
         }
-        Value::Text(text) => {
+        MacroValue::Text(text) => {
             if text.is_empty() && index == 1 {
-                return Ok(Value::text(" "));
+                return Ok(MacroValue::text(" "));
             }
             let found = position.and_then(|at| text.chars().nth(at));
-            found.map(|c| Value::text(c.to_string())).ok_or_else(|| outside(index, text.chars().count()))
+            found.map(|c| MacroValue::text(c.to_string())).ok_or_else(|| outside(index, text.chars().count()))
         }
-        other => Err(Fault::kind("an array, a text or a sequence", other)),
+        other => Err(MacroFault::kind("an array, a text or a sequence", other)),
     }
 }
 
-fn array_position(state: &State, array: &Array, indices: &[i64]) -> Outcome<usize> {
+fn array_position(state: &MacroState, array: &Array, indices: &[i64]) -> Outcome<usize> {
     let with_channel;
     let full = if array.channel && indices.len() + 1 == array.sizes.len() {
         with_channel = indices.iter().copied().chain([i64::from(state.channel)]).collect::<Vec<_>>();
@@ -133,36 +135,48 @@ fn array_position(state: &State, array: &Array, indices: &[i64]) -> Outcome<usiz
         let sizes: Vec<String> = array.sizes.iter().map(u32::to_string).collect();
         let given: Vec<String> = full.iter().map(i64::to_string).collect();
         let message = format!("index ({}) is outside the array of size ({})", given.join(","), sizes.join(","));
-        Fault::new(Number::OUT_OF_RANGE, message)
+        MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, message)
     })
 }
 
-pub(super) fn indices(code: &Code, frame: &[Value], list: u16) -> Outcome<Vec<i64>> {
+pub(super) fn indices(code: &CompiledMacro, frame: &[MacroValue], list: u16) -> Outcome<Vec<i64>> {
     slots(code, list)
         .iter()
         .map(|slot| {
             let value = get(frame, *slot);
-            value.as_real().map(whole).ok_or_else(|| Fault::kind("a number as index", value))
+            value.as_real().map(whole).ok_or_else(|| MacroFault::kind("a number as index", value))
         })
         .collect()
 }
 
 /// Element by a list of registers; a list that begins with no register asks for the rest of an array.
-pub(super) fn elements(state: &mut State, code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
+pub(super) fn elements(
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+    value: &MacroValue,
+    list: u16,
+) -> Outcome<MacroValue> {
     let all = slots(code, list);
     if all.first() != Some(&NO_SLOT) {
-        if let Value::Text(_) = value {
+        if let MacroValue::Text(_) = value {
             pay_to_look(state, value)?;
         }
         return element(state, value, &indices(code, frame, list)?);
     }
-    let Value::Array(array) = value else { return Ok(value.clone()) };
+    let MacroValue::Array(array) = value else { return Ok(value.clone()) };
     let indices: Vec<i64> = all.iter().skip(1).map(|slot| get(frame, *slot).as_real().map_or(0, whole)).collect();
     let from = array_position(state, array, &indices)?;
-    Ok(Value::sequence(array.elements.get(from..).unwrap_or(&[]).to_vec()))
+    Ok(MacroValue::sequence(array.elements.get(from..).unwrap_or(&[]).to_vec()))
 }
 
-pub(super) fn set_element(state: &State, frame: &mut [Value], to: Slot, indices: &[i64], a: Slot) -> Outcome<()> {
+pub(super) fn set_element(
+    state: &MacroState,
+    frame: &mut [MacroValue],
+    to: Slot,
+    indices: &[i64],
+    a: Slot,
+) -> Outcome<()> {
     let value = get(frame, a).clone();
     match frame.get_mut(usize::from(to)) {
         Some(target) => set_in(state, target, indices, value),
@@ -170,12 +184,12 @@ pub(super) fn set_element(state: &State, frame: &mut [Value], to: Slot, indices:
     }
 }
 
-fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> Outcome<()> {
+fn set_in(state: &MacroState, target: &mut MacroValue, indices: &[i64], value: MacroValue) -> Outcome<()> {
     match target {
-        Value::Array(array) => {
+        MacroValue::Array(array) => {
             let position = array_position(state, array, indices)?;
-            if matches!(value, Value::Sequence(_) | Value::Array(_)) {
-                return Err(Fault::kind("a single value", &value));
+            if matches!(value, MacroValue::Sequence(_) | MacroValue::Array(_)) {
+                return Err(MacroFault::kind("a single value", &value));
             }
             let value = match array.kind {
                 Some(kind) => typed(&value, kind)?,
@@ -186,10 +200,10 @@ fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> O
             }
             Ok(())
         }
-        Value::Sequence(elements) => {
+        MacroValue::Sequence(elements) => {
             let index = indices.first().copied().unwrap_or(0);
-            if matches!(value, Value::Sequence(_) | Value::Array(_)) {
-                return Err(Fault::kind("a single value", &value));
+            if matches!(value, MacroValue::Sequence(_) | MacroValue::Array(_)) {
+                return Err(MacroFault::kind("a single value", &value));
             }
             let length = elements.len();
             let place = usize::try_from(index.saturating_sub(1))
@@ -201,41 +215,51 @@ fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> O
             }
             Ok(())
         }
-        other => Err(Fault::kind("an array or a sequence", other)),
+        other => Err(MacroFault::kind("an array or a sequence", other)),
     }
 }
 
-pub(super) fn range_of(code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
+pub(super) fn range_of(
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+    value: &MacroValue,
+    list: u16,
+) -> Outcome<MacroValue> {
     let mut ends = [None, None];
     for (end, slot) in ends.iter_mut().zip(slots(code, list)) {
         if *slot != NO_SLOT {
             let number = get(frame, *slot);
-            *end = Some(number.as_real().map(whole).ok_or_else(|| Fault::kind("a number as index", number))?);
+            *end = Some(number.as_real().map(whole).ok_or_else(|| MacroFault::kind("a number as index", number))?);
         }
     }
     let [from, to] = ends;
     range(value, from.unwrap_or(1), to.unwrap_or(i64::MAX))
 }
 
-pub(super) fn sequence(state: &State, code: &Code, frame: &[Value], list: u16) -> Outcome<Value> {
+pub(super) fn sequence(
+    state: &MacroState,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+    list: u16,
+) -> Outcome<MacroValue> {
     sequence_of(state, slots(code, list).iter().map(|slot| get(frame, *slot)))
 }
 
 fn with_shared<R>(
-    state: &mut State,
-    host: &mut dyn Host,
-    shared: Shared,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    shared: SharedVariable,
     growth: Option<usize>,
-    access: impl FnOnce(&mut State, &mut Value) -> R,
+    access: impl FnOnce(&mut MacroState, &mut MacroValue) -> R,
 ) -> Option<R> {
     match shared {
-        Shared::Object(index) => {
+        SharedVariable::Object(index) => {
             let mut value = std::mem::take(state.object(index)?);
             let result = access(state, &mut value);
             *state.object(index)? = value;
             Some(result)
         }
-        Shared::Global(index) => {
+        SharedVariable::Global(index) => {
             let (mut access, mut result) = (Some(access), None);
             host.global(index, growth, &mut |value| {
                 if let Some(access) = access.take() {
@@ -247,34 +271,39 @@ fn with_shared<R>(
     }
 }
 
-fn shared_of(code: &Code, shared: u16) -> (Shared, Option<Kind>) {
-    code.shared.get(usize::from(shared)).copied().unwrap_or((Shared::Object(0), None))
+fn shared_of(code: &CompiledMacro, shared: u16) -> (SharedVariable, Option<ValueType>) {
+    code.shared.get(usize::from(shared)).copied().unwrap_or((SharedVariable::Object(0), None))
 }
 
 /// A value for the other side of a GLOBAL variable; an OBJECT variable has only one side.
-fn across(state: &mut State, shared: Shared, value: &Value) -> Outcome<Value> {
+fn across(state: &mut MacroState, shared: SharedVariable, value: &MacroValue) -> Outcome<MacroValue> {
     match shared {
-        Shared::Global(_) => detached(state, value),
-        Shared::Object(_) => Ok(value.clone()),
+        SharedVariable::Global(_) => detached(state, value),
+        SharedVariable::Object(_) => Ok(value.clone()),
     }
 }
 
-pub(super) fn read_shared(state: &mut State, host: &mut dyn Host, code: &Code, shared: u16) -> Outcome<Value> {
+pub(super) fn read_shared(
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    shared: u16,
+) -> Outcome<MacroValue> {
     let (place, _) = shared_of(code, shared);
     let value = with_shared(state, host, place, None, |state, value| {
         pay_to_look(state, value).and_then(|()| across(state, place, value))
     });
-    let value = value.unwrap_or(Ok(Value::Unset))?;
+    let value = value.unwrap_or(Ok(MacroValue::Unset))?;
     state.made(&value)?;
     Ok(value)
 }
 
 pub(super) fn write_shared(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
     shared: u16,
-    value: &Value,
+    value: &MacroValue,
 ) -> Outcome<()> {
     let (place, kind) = shared_of(code, shared);
     let value = match kind {
@@ -282,40 +311,40 @@ pub(super) fn write_shared(
         None => value.clone(),
     };
     let value = across(state, place, &value)?;
-    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
+    let growth = if let SharedVariable::Global(_) = place { weight(&value) } else { 0 };
     with_shared(state, host, place, Some(growth), |_, target| *target = value);
     Ok(())
 }
 
 pub(super) fn shared_elements(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
     shared: u16,
     list: u16,
-) -> Outcome<Value> {
+) -> Outcome<MacroValue> {
     let (place, _) = shared_of(code, shared);
-    let work = |state: &mut State, value: &mut Value| {
+    let work = |state: &mut MacroState, value: &mut MacroValue| {
         let found = elements(state, code, frame, value, list)?;
         across(state, place, &found)
     };
-    with_shared(state, host, place, None, work).unwrap_or(Ok(Value::Null))
+    with_shared(state, host, place, None, work).unwrap_or(Ok(MacroValue::Null))
 }
 
 pub(super) fn set_shared_elements(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
     (shared, list): (u16, u16),
     a: Slot,
 ) -> Outcome<()> {
     let indices = indices(code, frame, list)?;
     let (place, _) = shared_of(code, shared);
     let value = across(state, place, get(frame, a))?;
-    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
-    let work = |state: &mut State, target: &mut Value| {
+    let growth = if let SharedVariable::Global(_) = place { weight(&value) } else { 0 };
+    let work = |state: &mut MacroState, target: &mut MacroValue| {
         pay_if_shared(state, target)?;
         set_in(state, target, &indices, value)
     };
@@ -323,13 +352,18 @@ pub(super) fn set_shared_elements(
 }
 
 /// The first value of a declared variable.
-pub(super) fn declared(state: &mut State, code: &Code, frame: &[Value], declaration: u16) -> Outcome<Value> {
-    let Some(declaration) = code.declarations.get(usize::from(declaration)) else { return Ok(Value::Unset) };
+pub(super) fn declared(
+    state: &mut MacroState,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
+    declaration: u16,
+) -> Outcome<MacroValue> {
+    let Some(declaration) = code.declarations.get(usize::from(declaration)) else { return Ok(MacroValue::Unset) };
     let value = match (declaration.value, declaration.kind) {
         (Some(slot), Some(kind)) => typed(get(frame, slot), kind)?,
         (Some(slot), None) => get(frame, slot).clone(),
         (None, Some(kind)) => kind.initial(),
-        (None, None) => Value::Null,
+        (None, None) => MacroValue::Null,
     };
     if declaration.sizes.is_empty() && !declaration.channel {
         return Ok(value);
@@ -339,7 +373,8 @@ pub(super) fn declared(state: &mut State, code: &Code, frame: &[Value], declarat
     for slot in &declaration.sizes {
         let size = get(frame, *slot).as_real().map_or(0, whole);
         let size = u32::try_from(size).ok().filter(|size| *size > 0);
-        let size = size.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "the size of an array must be 1 or more"))?;
+        let size = size
+            .ok_or_else(|| MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, "the size of an array must be 1 or more"))?;
         count = count.saturating_mul(size as usize);
         sizes.push(size);
     }
@@ -351,24 +386,24 @@ pub(super) fn declared(state: &mut State, code: &Code, frame: &[Value], declarat
     state.spend(count / 4)?;
     state.grow(memory::array(count));
     let array = Array { sizes, kind: declaration.kind, channel: declaration.channel, elements: vec![value; count] };
-    Ok(Value::Array(Box::new(array)))
+    Ok(MacroValue::Array(Box::new(array)))
 }
 
 /// Initialises a shared variable unless another macro has done so.
 pub(super) fn declare_shared(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    frame: &[MacroValue],
     shared: u16,
     declaration: u16,
 ) -> Outcome<()> {
     let (place, _) = shared_of(code, shared);
     let value = declared(state, code, frame, declaration)?;
     let value = across(state, place, &value)?;
-    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
+    let growth = if let SharedVariable::Global(_) = place { weight(&value) } else { 0 };
     with_shared(state, host, place, Some(growth), |_, target| {
-        if matches!(target, Value::Unset) {
+        if matches!(target, MacroValue::Unset) {
             *target = value;
         }
     });

@@ -4,14 +4,14 @@
 //! changed nothing of it; numbers that it stores exist. Shared variables that it uses lie in their homes meanwhile, and
 //! in their own place whenever another macro or the host may look at them.
 
-use super::bodies::{self, Running};
+use super::bodies::{self, InlineCall};
 use super::{calls, homes, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
-use crate::bytecode::{Code, Target};
-use crate::host::Host;
-use crate::program::Program;
-use crate::state::{Frame, State};
-use crate::value::{Elements, Value};
+use crate::bytecode::{CompiledMacro, Target};
+use crate::host::MacroHost;
+use crate::program::MacroProgram;
+use crate::state::{MacroFrame, MacroState};
+use crate::value::{Elements, MacroValue};
 
 /// Ticks that are used up at most before a stop of the run is looked at.
 const SLICE: u64 = 20_000;
@@ -20,12 +20,12 @@ const SLICE: u64 = 20_000;
 const CALL: u64 = 5;
 
 /// The registers that short forms name.
-pub(super) type Window = [Value; WINDOW];
+pub(super) type Window = [MacroValue; WINDOW];
 
 /// Where the loop is: the running macro, its frame and the next instruction.
-pub(super) struct Place<'a, 'p> {
-    pub(super) code: &'p Code,
-    pub(super) frame: &'a mut Box<Frame>,
+pub(super) struct InstructionCursor<'a, 'p> {
+    pub(super) code: &'p CompiledMacro,
+    pub(super) frame: &'a mut Box<MacroFrame>,
     pub(super) at: usize,
 }
 
@@ -35,7 +35,12 @@ pub(super) struct Place<'a, 'p> {
     reason = "one arm per form; kept together, and kept small, so that operands stay in machine registers"
 )]
 #[inline(never)]
-pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Host, place: &mut Place<'_, 'p>) {
+pub(super) fn run<'p>(
+    program: &'p MacroProgram,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    place: &mut InstructionCursor<'_, 'p>,
+) {
     // The rest of the ticks waits, so that a long run comes back to where a stop of the run is looked at.
     let rest = state.ticks.saturating_sub(SLICE);
     let (mut at, mut ticks) = (place.at, state.ticks - rest);
@@ -46,7 +51,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
     macro_rules! number {
         ($register:expr) => {
             match window.get(usize::from($register)) {
-                Some(Value::Real(number)) => *number,
+                Some(MacroValue::Real(number)) => *number,
                 _ => break,
             }
         };
@@ -70,7 +75,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
     macro_rules! truth {
         ($register:expr) => {
             match window.get(usize::from($register)) {
-                Some(Value::Logical(truth)) => *truth,
+                Some(MacroValue::Logical(truth)) => *truth,
                 _ => break,
             }
         };
@@ -105,7 +110,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
             }
         };
     }
-    let mut running: Option<Running<'p>> = None;
+    let mut running: Option<InlineCall<'p>> = None;
     'run: loop {
         let mut call = 'forms: {
             while let Some(form) = forms.get(at) {
@@ -151,8 +156,8 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     Fast::AddTo { to, a } => {
                         let more = number!(a);
                         match window.get_mut(usize::from(to)) {
-                            Some(Value::Real(number)) => *number = exists!(*number + more),
-                            Some(Value::Sequence(sequence)) => {
+                            Some(MacroValue::Real(number)) => *number = exists!(*number + more),
+                            Some(MacroValue::Sequence(sequence)) => {
                                 if !light::push(state, sequence, more) {
                                     break;
                                 }
@@ -227,7 +232,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                             break;
                         };
                         if state.depth < state.limits.depth && bodies::begin(window, body) {
-                            running = Some(Running { code, at, ticks, to, body });
+                            running = Some(InlineCall { code, at, ticks, to, body });
                             (code, at, ticks) = (callee, 0, left);
                             forms = body.forms.as_slice();
                         } else {
@@ -264,7 +269,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                         let (Some(a), Some(b)) = (window.get(usize::from(a)), window.get(usize::from(b))) else {
                             break;
                         };
-                        if let (Value::Real(a), Value::Real(b)) = (a, b) {
+                        if let (MacroValue::Real(a), MacroValue::Real(b)) = (a, b) {
                             unless!(*a == *b, target);
                         } else {
                             let Some(equal) = light::equal(a, b) else { break };
@@ -275,7 +280,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                         let (Some(a), Some(b)) = (window.get(usize::from(a)), window.get(usize::from(b))) else {
                             break;
                         };
-                        if let (Value::Real(a), Value::Real(b)) = (a, b) {
+                        if let (MacroValue::Real(a), MacroValue::Real(b)) = (a, b) {
                             #[allow(
                                 clippy::double_comparisons,
                                 reason = "false for what is not a number, as in the instruction"
@@ -403,12 +408,12 @@ pub(super) fn position(index: f64) -> usize {
 #[inline(always)]
 fn element(window: &Window, array: Near, index: f64) -> Option<f64> {
     let elements = match window.get(usize::from(array)) {
-        Some(Value::Array(array)) if array.sizes.len() == 1 => &array.elements,
-        Some(Value::Sequence(elements)) => elements.as_ref(),
+        Some(MacroValue::Array(array)) if array.sizes.len() == 1 => &array.elements,
+        Some(MacroValue::Sequence(elements)) => elements.as_ref(),
         _ => return None,
     };
     match elements.get(position(index)) {
-        Some(Value::Real(number)) => Some(*number),
+        Some(MacroValue::Real(number)) => Some(*number),
         _ => None,
     }
 }
@@ -417,11 +422,11 @@ fn element(window: &Window, array: Near, index: f64) -> Option<f64> {
 #[inline(always)]
 fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f64> {
     match window.get_mut(usize::from(array)) {
-        Some(Value::Array(array)) if array.sizes.len() == 1 => match array.elements.get_mut(position(index)) {
-            Some(Value::Real(number)) => Some(number),
+        Some(MacroValue::Array(array)) if array.sizes.len() == 1 => match array.elements.get_mut(position(index)) {
+            Some(MacroValue::Real(number)) => Some(number),
             _ => None,
         },
-        Some(Value::Sequence(elements)) => own_place(elements, index),
+        Some(MacroValue::Sequence(elements)) => own_place(elements, index),
         _ => None,
     }
 }
@@ -429,7 +434,7 @@ fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f6
 #[inline]
 fn own_place(elements: &mut Elements, index: f64) -> Option<&mut f64> {
     match Elements::get_mut(elements)?.get_mut(position(index)) {
-        Some(Value::Real(number)) => Some(number),
+        Some(MacroValue::Real(number)) => Some(number),
         _ => None,
     }
 }
@@ -438,8 +443,8 @@ fn own_place(elements: &mut Elements, index: f64) -> Option<&mut f64> {
 #[inline(always)]
 fn cell(window: &Window, array: Near, row: f64, column: f64) -> Option<f64> {
     match window.get(usize::from(array)) {
-        Some(Value::Array(array)) => match array.elements.get(light::cell(array, row, column)?) {
-            Some(Value::Real(number)) => Some(*number),
+        Some(MacroValue::Array(array)) => match array.elements.get(light::cell(array, row, column)?) {
+            Some(MacroValue::Real(number)) => Some(*number),
             _ => None,
         },
         _ => None,
@@ -450,10 +455,10 @@ fn cell(window: &Window, array: Near, row: f64, column: f64) -> Option<f64> {
 #[inline(always)]
 fn cell_place(window: &mut Window, array: Near, row: f64, column: f64) -> Option<&mut f64> {
     match window.get_mut(usize::from(array)) {
-        Some(Value::Array(array)) => {
+        Some(MacroValue::Array(array)) => {
             let at = light::cell(array, row, column)?;
             match array.elements.get_mut(at) {
-                Some(Value::Real(number)) => Some(number),
+                Some(MacroValue::Real(number)) => Some(number),
                 _ => None,
             }
         }

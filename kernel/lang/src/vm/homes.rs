@@ -5,20 +5,24 @@
 
 use super::fast::Window;
 use crate::bytecode::fast::Fast;
-use crate::bytecode::{Code, Op, Shared};
-use crate::host::Host;
-use crate::state::State;
-use crate::value::Value;
+use crate::bytecode::{CompiledMacro, Instruction, SharedVariable};
+use crate::host::MacroHost;
+use crate::state::MacroState;
+use crate::value::MacroValue;
 
 /// Place of a shared variable while no other kernel runs.
-fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared) -> Option<&'a mut Value> {
+fn shared_place<'a>(
+    state: &'a mut MacroState,
+    host: &'a mut dyn MacroHost,
+    shared: SharedVariable,
+) -> Option<&'a mut MacroValue> {
     match shared {
-        Shared::Object(index) => state.object(index),
-        Shared::Global(index) => host.own_global(index),
+        SharedVariable::Object(index) => state.object(index),
+        SharedVariable::Global(index) => host.own_global(index),
     }
 }
 
-impl State {
+impl MacroState {
     /// Whether a shared variable lies in its home.
     #[inline(always)]
     pub(super) fn is_at_home(&self, shared: u8) -> bool {
@@ -28,16 +32,22 @@ impl State {
 
 /// Brings the shared variable of an instruction home; false if it is there or cannot be.
 #[inline(never)]
-pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Host, window: &mut Window) -> bool {
+pub(super) fn bring(
+    code: &CompiledMacro,
+    at: usize,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    window: &mut Window,
+) -> bool {
     if code.homes.is_empty() || code.short.forms.get(at).is_none_or(|form| *form == Fast::None) {
         return false;
     }
     let shared = match code.ops.get(at) {
         Some(
-            Op::ReadShared { shared, .. }
-            | Op::WriteShared { shared, .. }
-            | Op::SharedElements { shared, .. }
-            | Op::SetSharedElements { shared, .. },
+            Instruction::ReadShared { shared, .. }
+            | Instruction::WriteShared { shared, .. }
+            | Instruction::SharedElements { shared, .. }
+            | Instruction::SetSharedElements { shared, .. },
         ) => usize::from(*shared),
         _ => return false,
     };
@@ -54,14 +64,14 @@ pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Ho
 
 /// Takes all shared variables back from their homes.
 #[inline(always)]
-pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+pub(super) fn take_back(code: &CompiledMacro, state: &mut MacroState, host: &mut dyn MacroHost, window: &mut Window) {
     if state.objects.at_home != 0 {
         take_all_back(code, state, host, window);
     }
 }
 
 #[inline(never)]
-fn take_all_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+fn take_all_back(code: &CompiledMacro, state: &mut MacroState, host: &mut dyn MacroHost, window: &mut Window) {
     let mut at_home = std::mem::take(&mut state.objects.at_home);
     while at_home != 0 {
         let shared = at_home.trailing_zeros() as usize;

@@ -6,10 +6,10 @@
 
 use super::fast::{Window, passed, position};
 use crate::bytecode::fast::{Fast, Near};
-use crate::bytecode::{Code, Relation, Slot};
-use crate::func::{Function, Way};
-use crate::state::{State, memory};
-use crate::value::{Array, Elements, Kind, Value, padded};
+use crate::bytecode::{CompiledMacro, Relation, Slot};
+use crate::func::{BuiltInFunction, EvaluationMethod};
+use crate::state::{MacroState, memory};
+use crate::value::{Array, Elements, MacroValue, ValueType, padded};
 use std::sync::Arc;
 
 /// Bytes of a text from which on looking at it or copying it costs steps.
@@ -20,8 +20,8 @@ const LONG: usize = 64;
 #[allow(clippy::too_many_lines, reason = "one arm per form")]
 #[inline(never)]
 pub(super) fn step(
-    (code, forms): (&Code, &[Fast]),
-    state: &mut State,
+    (code, forms): (&CompiledMacro, &[Fast]),
+    state: &mut MacroState,
     window: &mut Window,
     at: usize,
     ticks: u64,
@@ -56,7 +56,7 @@ pub(super) fn step(
     macro_rules! number {
         ($register:expr) => {
             match window.get(usize::from($register)) {
-                Some(Value::Real(number)) => *number,
+                Some(MacroValue::Real(number)) => *number,
                 _ => return not_taken,
             }
         };
@@ -121,7 +121,7 @@ fn stored(window: &mut Window, to: Near, number: f64) -> Option<()> {
 #[inline]
 fn truth(window: &Window, a: Near) -> Option<bool> {
     match window.get(usize::from(a))? {
-        Value::Logical(truth) => Some(*truth),
+        MacroValue::Logical(truth) => Some(*truth),
         _ => None,
     }
 }
@@ -129,8 +129,8 @@ fn truth(window: &Window, a: Near) -> Option<bool> {
 #[inline]
 fn put_truth(window: &mut Window, to: Near, truth: bool) -> Option<()> {
     match window.get_mut(usize::from(to))? {
-        Value::Logical(old) => *old = truth,
-        other => *other = Value::Logical(truth),
+        MacroValue::Logical(old) => *old = truth,
+        other => *other = MacroValue::Logical(truth),
     }
     Some(())
 }
@@ -143,19 +143,19 @@ pub(super) fn compared(window: &Window, relation: Relation, a: Near, b: Near) ->
 
 /// Tells whether a value is a single one that can be copied and compared for nothing.
 #[inline]
-fn is_light(value: &Value) -> bool {
+fn is_light(value: &MacroValue) -> bool {
     match value {
-        Value::Text(text) => text.len() < LONG,
-        Value::Sequence(_) | Value::Array(_) => false,
+        MacroValue::Text(text) => text.len() < LONG,
+        MacroValue::Sequence(_) | MacroValue::Array(_) => false,
         _ => true,
     }
 }
 
 /// Replaces a value by a copy of another one.
 #[inline]
-fn overwrite(target: &mut Value, value: &Value) {
+fn overwrite(target: &mut MacroValue, value: &MacroValue) {
     match (&*target, value) {
-        (Value::Text(old), Value::Text(new)) if Arc::ptr_eq(old, new) => {}
+        (MacroValue::Text(old), MacroValue::Text(new)) if Arc::ptr_eq(old, new) => {}
         _ => *target = value.clone(),
     }
 }
@@ -163,7 +163,8 @@ fn overwrite(target: &mut Value, value: &Value) {
 /// Copies a register.
 #[inline]
 fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
-    if let (Some(Value::Text(old)), Some(Value::Text(new))) = (window.get(usize::from(to)), window.get(usize::from(a)))
+    if let (Some(MacroValue::Text(old)), Some(MacroValue::Text(new))) =
+        (window.get(usize::from(to)), window.get(usize::from(a)))
         && Arc::ptr_eq(old, new)
     {
         return Some(());
@@ -177,14 +178,14 @@ fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
 #[inline]
 fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
     match window.get(usize::from(a))? {
-        Value::Array(_) => None,
+        MacroValue::Array(_) => None,
         _ => copied(window, to, a),
     }
 }
 
 /// Moves a light value, of one type if that is given.
 #[inline]
-fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Option<()> {
+fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<ValueType>) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if !is_light(value) || kind.is_some_and(|kind| value.kind() != Some(kind)) {
         return None;
@@ -196,7 +197,7 @@ fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Opt
 #[inline]
 fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Option<f64>)) -> Option<()> {
     let value = look(window, array, (row, column)).filter(|value| is_light(value))?;
-    if let (Value::Text(new), Some(Value::Text(old))) = (value, window.get(usize::from(to)))
+    if let (MacroValue::Text(new), Some(MacroValue::Text(old))) = (value, window.get(usize::from(to)))
         && Arc::ptr_eq(old, new)
     {
         return Some(());
@@ -208,11 +209,11 @@ fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Opti
 
 /// The element of a sequence or an array.
 #[inline]
-fn look(window: &Window, array: Near, (row, column): (f64, Option<f64>)) -> Option<&Value> {
+fn look(window: &Window, array: Near, (row, column): (f64, Option<f64>)) -> Option<&MacroValue> {
     match (window.get(usize::from(array))?, column) {
-        (Value::Array(array), Some(column)) => array.elements.get(cell(array, row, column)?),
-        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get(position(row)),
-        (Value::Sequence(elements), None) => elements.get(position(row)),
+        (MacroValue::Array(array), Some(column)) => array.elements.get(cell(array, row, column)?),
+        (MacroValue::Array(array), None) if array.sizes.len() == 1 => array.elements.get(position(row)),
+        (MacroValue::Sequence(elements), None) => elements.get(position(row)),
         _ => None,
     }
 }
@@ -235,32 +236,32 @@ fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a:
     let value = value.clone();
     let (row, column) = indices;
     let element = match (window.get_mut(usize::from(array))?, column) {
-        (Value::Array(array), Some(column)) => {
+        (MacroValue::Array(array), Some(column)) => {
             let at = cell(array, row, column)?;
             array.elements.get_mut(at)?
         }
-        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get_mut(position(row))?,
-        (Value::Sequence(elements), None) => Elements::get_mut(elements)?.get_mut(position(row))?,
+        (MacroValue::Array(array), None) if array.sizes.len() == 1 => array.elements.get_mut(position(row))?,
+        (MacroValue::Sequence(elements), None) => Elements::get_mut(elements)?.get_mut(position(row))?,
         _ => return None,
     };
     *element = value;
     Some(())
 }
 
-fn takes(target: &Value, value: &Value) -> bool {
+fn takes(target: &MacroValue, value: &MacroValue) -> bool {
     match target {
-        Value::Array(array) => array.kind.is_none_or(|kind| value.kind() == Some(kind)),
-        Value::Sequence(_) => true,
+        MacroValue::Array(array) => array.kind.is_none_or(|kind| value.kind() == Some(kind)),
+        MacroValue::Sequence(_) => true,
         _ => false,
     }
 }
 
 /// Equality of light values of one type that are not both numbers.
 #[inline(never)]
-pub(super) fn equal(a: &Value, b: &Value) -> Option<bool> {
+pub(super) fn equal(a: &MacroValue, b: &MacroValue) -> Option<bool> {
     match (a, b) {
-        (Value::Logical(a), Value::Logical(b)) => Some(a == b),
-        (Value::Text(a), Value::Text(b)) => equal_texts(a, b),
+        (MacroValue::Logical(a), MacroValue::Logical(b)) => Some(a == b),
+        (MacroValue::Text(a), MacroValue::Text(b)) => equal_texts(a, b),
         _ if is_light(a) && is_light(b) => a.equals(b),
         _ => None,
     }
@@ -292,7 +293,7 @@ fn same_bytes(x: &[u8], y: &[u8]) -> bool {
 
 /// Compares values that are not both numbers.
 #[inline]
-fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+fn related(relation: Relation, a: &MacroValue, b: &MacroValue) -> Option<bool> {
     match relation {
         Relation::Equal => equal(a, b),
         Relation::NotEqual => equal(a, b).map(|equal| !equal),
@@ -301,7 +302,7 @@ fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
 }
 
 #[inline(never)]
-fn ordered(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+fn ordered(relation: Relation, a: &MacroValue, b: &MacroValue) -> Option<bool> {
     if !is_light(a) || !is_light(b) {
         return None;
     }
@@ -318,8 +319,8 @@ fn ordered(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
 #[inline(never)]
 pub(super) fn element_related(window: &Window, relation: Relation, array: Near, index: f64, b: Near) -> Option<bool> {
     let element = match window.get(usize::from(array))? {
-        Value::Sequence(elements) => elements.get(position(index))?,
-        Value::Array(array) if array.sizes.len() == 1 => array.elements.get(position(index))?,
+        MacroValue::Sequence(elements) => elements.get(position(index))?,
+        MacroValue::Array(array) if array.sizes.len() == 1 => array.elements.get(position(index))?,
         _ => return None,
     };
     values_related(relation, element, window.get(usize::from(b))?)
@@ -334,15 +335,15 @@ pub(super) fn cell_related(
     (row, column): (f64, f64),
     b: Near,
 ) -> Option<bool> {
-    let Value::Array(array) = window.get(usize::from(array))? else { return None };
+    let MacroValue::Array(array) = window.get(usize::from(array))? else { return None };
     let element = array.elements.get(cell(array, row, column)?)?;
     values_related(relation, element, window.get(usize::from(b))?)
 }
 
 #[inline(always)]
-fn values_related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+fn values_related(relation: Relation, a: &MacroValue, b: &MacroValue) -> Option<bool> {
     match (a, b) {
-        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (MacroValue::Real(a), MacroValue::Real(b)) => Some(super::run::relate(relation, *a, *b)),
         (a, b) => related(relation, a, b),
     }
 }
@@ -356,8 +357,8 @@ fn same(window: &Window, a: Near, b: Near) -> Option<bool> {
 
 /// Joins two texts; returns the remaining ticks.
 #[inline(never)]
-fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
-    let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
+fn join(state: &mut MacroState, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
+    let (MacroValue::Text(x), MacroValue::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
         return None;
     };
     let length = x.len() + y.len();
@@ -367,22 +368,22 @@ fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), 
     }
     if to == b {
         let text = [x.as_str(), y.as_str()].concat();
-        *window.get_mut(usize::from(to))? = Value::text(text);
+        *window.get_mut(usize::from(to))? = MacroValue::text(text);
         return Some(left);
     }
     // The text that was there before gives its memory.
     let mut text = match std::mem::take(window.get_mut(usize::from(to))?) {
-        Value::Text(text) => text,
+        MacroValue::Text(text) => text,
         _ => Arc::default(),
     };
     if to == a {
-        let y = window.get(usize::from(b)).and_then(Value::as_text).unwrap_or_default();
+        let y = window.get(usize::from(b)).and_then(MacroValue::as_text).unwrap_or_default();
         match Arc::get_mut(&mut text) {
             Some(own) => own.push_str(y),
             None => text = Arc::new([text.as_str(), y].concat()),
         }
     } else {
-        let part = |slot: Near| window.get(usize::from(slot)).and_then(Value::as_text).unwrap_or_default();
+        let part = |slot: Near| window.get(usize::from(slot)).and_then(MacroValue::as_text).unwrap_or_default();
         let (x, y) = (part(a), part(b));
         match Arc::get_mut(&mut text) {
             Some(own) if own.capacity() <= 4 * LONG + 2 * length => {
@@ -393,30 +394,30 @@ fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), 
             _ => text = Arc::new([x, y].concat()),
         }
     }
-    *window.get_mut(usize::from(to))? = Value::Text(text);
+    *window.get_mut(usize::from(to))? = MacroValue::Text(text);
     Some(left)
 }
 
 /// Appends to a text or a sequence that no other value shares.
 #[inline(never)]
-fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<()> {
+fn append(state: &mut MacroState, window: &mut Window, to: Near, a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if to == a || !is_light(value) {
         return None;
     }
     let (text, sequence) = (state.limits.text, state.limits.elements);
     match (window.get(usize::from(to))?, value) {
-        (Value::Text(own), Value::Text(more)) if own.len() + more.len() <= text => {}
-        (Value::Sequence(own), _) if own.len() < sequence => {}
+        (MacroValue::Text(own), MacroValue::Text(more)) if own.len() + more.len() <= text => {}
+        (MacroValue::Sequence(own), _) if own.len() < sequence => {}
         _ => return None,
     }
     let value = value.clone();
     match (window.get_mut(usize::from(to))?, value) {
-        (Value::Text(own), Value::Text(more)) => {
+        (MacroValue::Text(own), MacroValue::Text(more)) => {
             let own = Arc::get_mut(own).filter(|_| state.grows(more.len()))?;
             own.push_str(&more);
         }
-        (Value::Sequence(own), value) => {
+        (MacroValue::Sequence(own), value) => {
             let own = Elements::get_mut(own).filter(|_| state.grows(memory::ELEMENT))?;
             own.push(value);
         }
@@ -427,11 +428,11 @@ fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<(
 
 /// Appends a number to a sequence that no other value shares; false if it cannot grow like this.
 #[inline(never)]
-pub(super) fn push(state: &mut State, elements: &mut Elements, number: f64) -> bool {
+pub(super) fn push(state: &mut MacroState, elements: &mut Elements, number: f64) -> bool {
     let room = elements.len() < state.limits.elements;
     match Elements::get_mut(elements) {
         Some(elements) if room && state.grows(memory::ELEMENT) => {
-            elements.push(Value::Real(number));
+            elements.push(MacroValue::Real(number));
             true
         }
         _ => false,
@@ -440,49 +441,50 @@ pub(super) fn push(state: &mut State, elements: &mut Elements, number: f64) -> b
 
 /// Makes a sequence of single values; returns the remaining ticks.
 #[inline(never)]
-fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
+fn sequence(state: &mut MacroState, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
     let left = ticks.checked_sub(slots.len() as u64 / 4)?;
-    let single =
-        |slot: &Slot| !matches!(window.get(usize::from(*slot)), None | Some(Value::Sequence(_) | Value::Array(_)));
+    let single = |slot: &Slot| {
+        !matches!(window.get(usize::from(*slot)), None | Some(MacroValue::Sequence(_) | MacroValue::Array(_)))
+    };
     if slots.len() > state.limits.elements || !slots.iter().all(single) || !state.grows(memory::sequence(slots.len())) {
         return None;
     }
     // A sequence of the same length that was there before gives its memory. It is none of the elements.
-    if let Some(Value::Sequence(old)) = window.get(usize::from(to))
+    if let Some(MacroValue::Sequence(old)) = window.get(usize::from(to))
         && old.len() == slots.len()
         && old.capacity() <= 2 * slots.len() + 8
         && Elements::strong_count(old) == 1
     {
         let mut target = std::mem::take(window.get_mut(usize::from(to))?);
-        if let Value::Sequence(old) = &mut target
+        if let MacroValue::Sequence(old) = &mut target
             && let Some(elements) = Elements::get_mut(old)
         {
             for (element, slot) in elements.iter_mut().zip(slots) {
-                overwrite(element, window.get(usize::from(*slot)).unwrap_or(&Value::Unset));
+                overwrite(element, window.get(usize::from(*slot)).unwrap_or(&MacroValue::Unset));
             }
         }
         *window.get_mut(usize::from(to))? = target;
         return Some(left);
     }
     let elements = slots.iter().filter_map(|slot| window.get(usize::from(*slot)).cloned()).collect();
-    *window.get_mut(usize::from(to))? = Value::sequence(elements);
+    *window.get_mut(usize::from(to))? = MacroValue::sequence(elements);
     Some(left)
 }
 
 /// A function of one number.
 #[inline]
-fn math(functions: &[&'static Function], function: u16, value: f64) -> Option<f64> {
+fn math(functions: &[&'static BuiltInFunction], function: u16, value: f64) -> Option<f64> {
     match functions.get(usize::from(function))?.way {
-        Way::Math(compute) => compute(value),
+        EvaluationMethod::Math(compute) => compute(value),
         _ => None,
     }
 }
 
 /// A function of two numbers.
 #[inline(never)]
-pub(super) fn pair(functions: &[&'static Function], function: u16, a: f64, b: f64) -> Option<f64> {
+pub(super) fn pair(functions: &[&'static BuiltInFunction], function: u16, a: f64, b: f64) -> Option<f64> {
     match functions.get(usize::from(function))?.way {
-        Way::Pair(compute, _) => compute(a, b),
+        EvaluationMethod::Pair(compute, _) => compute(a, b),
         _ => None,
     }
 }

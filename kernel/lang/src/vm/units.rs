@@ -6,13 +6,13 @@
 use super::run::{get, set};
 
 use crate::bytecode::Slot;
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
 use crate::format;
-use crate::host::Host;
+use crate::host::MacroHost;
 use crate::ident;
-use crate::state::{LINE, State, Unit, unit_number};
-use crate::value::Value;
+use crate::state::{LINE, MacroState, OpenUnit, unit_number};
+use crate::value::MacroValue;
 
 const END_OF_FILE: i32 = -1;
 const CANNOT_OPEN: i32 = 2;
@@ -22,15 +22,15 @@ const BAD_INPUT: i32 = 22;
 const FILE_TICKS: usize = 100;
 /// Bytes that can be written to a file before it is closed.
 const MOST_WRITTEN: usize = 64 << 20;
-pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) -> Outcome<()> {
-    let first = arguments.first().unwrap_or(&Value::Unset);
-    let number = unit_number(first.as_real().ok_or_else(|| Fault::kind("a unit number", first))?)?;
+pub(super) fn open(state: &mut MacroState, host: &mut dyn MacroHost, arguments: &[MacroValue]) -> Outcome<()> {
+    let first = arguments.first().unwrap_or(&MacroValue::Unset);
+    let number = unit_number(first.as_real().ok_or_else(|| MacroFault::kind("a unit number", first))?)?;
     let (mut rear, mut path) = (false, format!("unit{number}"));
     for value in arguments.iter().skip(1) {
         match value {
-            Value::Keyword(code) => rear = ident::minor_name(*code) == Some("REAR"),
-            Value::Text(text) => path = text.trim().to_owned(),
-            other => return Err(Fault::kind("FRONT, REAR or a file name", other)),
+            MacroValue::Keyword(code) => rear = ident::minor_name(*code) == Some("REAR"),
+            MacroValue::Text(text) => path = text.trim().to_owned(),
+            other => return Err(MacroFault::kind("FRONT, REAR or a file name", other)),
         }
     }
     state.spend(size(state, f64::from(number)) / 64)?;
@@ -38,7 +38,10 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     // A loss of data by the close above stays reported after this file opens.
     let lost = state.status == CANNOT_OPEN;
     if state.units.len() >= state.limits.units {
-        return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
+        return Err(MacroFault::new(
+            DiagnosticNumber::UNITS,
+            format!("more than {} units are open", state.limits.units),
+        ));
     }
     let upper = path.to_ascii_uppercase();
     let console = upper == "STDIN" || upper == "STDOUT";
@@ -62,18 +65,18 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     if lost {
         state.status = CANNOT_OPEN;
     }
-    let unit = Unit { path, lines, next, rear, console, read, ..Unit::default() };
+    let unit = OpenUnit { path, lines, next, rear, console, read, ..OpenUnit::default() };
     state.grow(unit.bytes());
     state.units.insert(number, unit);
     Ok(())
 }
 
 /// Bytes that closing a unit writes.
-pub(super) fn size(state: &State, number: f64) -> usize {
-    unit_number(number).ok().and_then(|number| state.units.get(&number)).map_or(0, Unit::bytes)
+pub(super) fn size(state: &MacroState, number: f64) -> usize {
+    unit_number(number).ok().and_then(|number| state.units.get(&number)).map_or(0, OpenUnit::bytes)
 }
 
-pub(super) fn close(state: &mut State, host: &mut dyn Host, number: f64) {
+pub(super) fn close(state: &mut MacroState, host: &mut dyn MacroHost, number: f64) {
     let Ok(number) = unit_number(number) else {
         state.status = NOT_OPEN;
         return;
@@ -89,7 +92,7 @@ pub(super) fn close(state: &mut State, host: &mut dyn Host, number: f64) {
     };
 }
 
-pub(super) fn close_all(state: &mut State, host: &mut dyn Host) {
+pub(super) fn close_all(state: &mut MacroState, host: &mut dyn MacroHost) {
     let mut open: Vec<u8> = state.units.keys().copied().collect();
     open.sort_unstable();
     for number in open {
@@ -97,7 +100,7 @@ pub(super) fn close_all(state: &mut State, host: &mut dyn Host) {
     }
 }
 
-pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &str) -> Outcome<()> {
+pub(super) fn write(state: &mut MacroState, host: &mut dyn MacroHost, number: f64, text: &str) -> Outcome<()> {
     let number = unit_number(number)?;
     let most = state.limits.elements;
     let Some(unit) = state.units.get_mut(&number) else {
@@ -118,7 +121,7 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
         unit.written += text.len() + 1;
         if unit.lines.len() >= most || unit.written > MOST_WRITTEN {
             let message = format!("a file has more than {most} lines or {MOST_WRITTEN} bytes");
-            return Err(Fault::new(Number::SIZE, message));
+            return Err(MacroFault::new(DiagnosticNumber::SIZE, message));
         }
         unit.lines.push(text.to_owned());
         unit.next = unit.lines.len();
@@ -129,7 +132,7 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
     Ok(())
 }
 
-fn line(state: &mut State, host: &mut dyn Host, number: f64, again: bool) -> Outcome<Option<String>> {
+fn line(state: &mut MacroState, host: &mut dyn MacroHost, number: f64, again: bool) -> Outcome<Option<String>> {
     let number = unit_number(number)?;
     let Some(unit) = state.units.get_mut(&number) else {
         state.status = NOT_OPEN;
@@ -151,28 +154,28 @@ fn line(state: &mut State, host: &mut dyn Host, number: f64, again: bool) -> Out
 
 /// READ from a unit or a text into registers.
 pub(super) fn read(
-    state: &mut State,
-    host: &mut dyn Host,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
     sources: &[Slot],
     targets: &[Slot],
     again: bool,
-    frame: &mut [Value],
+    frame: &mut [MacroValue],
 ) -> Outcome<()> {
-    let source = sources.first().map_or(Value::Unset, |slot| get(frame, *slot).clone());
-    let format = sources.get(1).map_or(Value::Unset, |slot| get(frame, *slot).clone());
-    let text = format.as_text().ok_or_else(|| Fault::kind("a format", &format))?;
+    let source = sources.first().map_or(MacroValue::Unset, |slot| get(frame, *slot).clone());
+    let format = sources.get(1).map_or(MacroValue::Unset, |slot| get(frame, *slot).clone());
+    let text = format.as_text().ok_or_else(|| MacroFault::kind("a format", &format))?;
     let format = state.format(text, true)?;
     if format.arguments != targets.len() {
         let message = format!("the format has {} codes for {} variables", format.arguments, targets.len());
-        return Err(Fault::new(Number::FORMAT_MISMATCH, message));
+        return Err(MacroFault::new(DiagnosticNumber::FORMAT_MISMATCH, message));
     }
     let line = match &source {
-        Value::Text(text) => {
+        MacroValue::Text(text) => {
             state.status = 0;
             Some(text.as_ref().clone())
         }
-        Value::Real(number) => line(state, host, *number, again)?,
-        other => return Err(Fault::kind("a unit number or a text", other)),
+        MacroValue::Real(number) => line(state, host, *number, again)?,
+        other => return Err(MacroFault::kind("a unit number or a text", other)),
     };
     let values = match line {
         Some(line) => {
@@ -183,7 +186,7 @@ pub(super) fn read(
             }
             values
         }
-        None => vec![Value::Null; targets.len()],
+        None => vec![MacroValue::Null; targets.len()],
     };
     for (slot, value) in targets.iter().zip(values) {
         state.made(&value)?;

@@ -1,12 +1,12 @@
 //! Weighing the values that macros can reach.
 
-use crate::bytecode::Code;
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::host::Host;
-use crate::program::Program;
-use crate::state::memory::{PER_TICK, Scale};
-use crate::state::{Frame, State};
+use crate::bytecode::CompiledMacro;
+use crate::diag::DiagnosticNumber;
+use crate::fault::{MacroFault, Outcome};
+use crate::host::MacroHost;
+use crate::program::MacroProgram;
+use crate::state::memory::{MemoryTally, PER_TICK};
+use crate::state::{MacroFrame, MacroState};
 use std::sync::Arc;
 
 /// Weighs everything that macros can reach.
@@ -15,9 +15,15 @@ use std::sync::Arc;
 /// It is more than the budget, or there are no ticks for it.
 #[cold]
 #[inline(never)]
-pub(super) fn weigh(program: &Program, state: &mut State, host: &dyn Host, frame: &Frame) -> Outcome<()> {
-    let mut scale = Scale::default();
-    let name = |index: u16| program.macros.get(usize::from(index)).map_or("", |code: &Arc<Code>| code.name.as_str());
+pub(super) fn weigh(
+    program: &MacroProgram,
+    state: &mut MacroState,
+    host: &dyn MacroHost,
+    frame: &MacroFrame,
+) -> Outcome<()> {
+    let mut scale = MemoryTally::default();
+    let name =
+        |index: u16| program.macros.get(usize::from(index)).map_or("", |code: &Arc<CompiledMacro>| code.name.as_str());
     let macro_name = |index: u16| move || format!("variables of the macro {}", name(index));
     for (index, value) in (0..).zip(&state.objects.values) {
         let from = scale.bytes;
@@ -48,7 +54,7 @@ pub(super) fn weigh(program: &Program, state: &mut State, host: &dyn Host, frame
     if memory.room < memory.limit / 8 {
         let text = format!("macros keep more than {} bytes, most of them in {}", memory.limit, scale.largest.1);
         memory.over = Some(scale.largest.1);
-        return Err(Fault::new(Number::MEMORY, text));
+        return Err(MacroFault::new(DiagnosticNumber::MEMORY, text));
     }
     state.spend(scale.visited / PER_TICK)
 }

@@ -11,10 +11,10 @@ mod places;
 mod values;
 
 use counterpoint_lang::bytecode::fast::Fast;
-use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::source::Source;
-use counterpoint_lang::value::{Kind, Value};
-use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang::compile::{self, CompileOptions, MacroProgram};
+use counterpoint_lang::source::MacroSource;
+use counterpoint_lang::value::{MacroValue, ValueType};
+use counterpoint_lang::vm::{self, MacroLimits, MacroState};
 use counterpoint_lang_standalone::Standalone;
 use places::{GOALS, Goal, ORIGINS, Origin, Writer, types_of};
 use std::sync::Arc;
@@ -49,23 +49,23 @@ fn values_of(kind: &str) -> Vec<Known> {
 
 /// Runs a macro and returns its only line of output, or the error.
 fn outcome(text: &str, system: &[(String, Known)], arguments: &[Known], options: (bool, bool)) -> String {
-    let (mut program, mut host) = (Program::new(), Standalone::new());
+    let (mut program, mut host) = (MacroProgram::new(), Standalone::new());
     for (name, value) in system {
-        host.variable(name, Kind::named(value.type_name()), true);
+        host.variable(name, ValueType::named(value.type_name()), true);
         host.set_system(name, value.value());
     }
     host.variable("$ZU", None, true);
     let (short_forms, trace) = options;
-    let options = Options { trace, ..Options::default() };
-    let added = compile::add(&mut program, &mut host, Source::new("case", text), options);
+    let options = CompileOptions { trace, ..CompileOptions::default() };
+    let added = compile::add(&mut program, &mut host, MacroSource::new("case", text), options);
     if let Some(first) = added.diagnostics.first() {
         return first.to_string();
     }
     if !short_forms {
         program.macros.iter_mut().for_each(|code| Arc::make_mut(code).short.forms.fill(Fast::None));
     }
-    let mut state = State::new(Limits::default());
-    let mut values: Vec<Value> = arguments.iter().map(Known::value).collect();
+    let mut state = MacroState::new(MacroLimits::default());
+    let mut values: Vec<MacroValue> = arguments.iter().map(Known::value).collect();
     for index in &added.macros {
         vm::run(&program, &mut state, &mut host, *index, &mut values);
     }

@@ -1,7 +1,7 @@
 //! Values, operators and trees of them, computed here and not by the language.
 
 use counterpoint_lang::format::wildcard_text;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 /// A value as this test knows it.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,13 +52,13 @@ impl Known {
     }
 
     /// The value that a caller of a macro passes.
-    pub(crate) fn value(&self) -> Value {
+    pub(crate) fn value(&self) -> MacroValue {
         match self {
-            Known::Real(number) => Value::Real(*number),
-            Known::Text(text) => Value::text(text.as_str()),
-            Known::Logical(truth) => Value::Logical(*truth),
-            Known::Word(_, code) => Value::Keyword(*code),
-            Known::List(numbers) => Value::numbers(numbers),
+            Known::Real(number) => MacroValue::Real(*number),
+            Known::Text(text) => MacroValue::text(text.as_str()),
+            Known::Logical(truth) => MacroValue::Logical(*truth),
+            Known::Word(_, code) => MacroValue::Keyword(*code),
+            Known::List(numbers) => MacroValue::numbers(numbers),
         }
     }
 

@@ -10,21 +10,21 @@ pub mod plane;
 pub mod thread;
 pub mod turning;
 
-use counterpoint_motion::frame::local::Part;
+use counterpoint_motion::frame::local::LocalFramePart;
 
 use super::DataId;
-use counterpoint_event::event::Direction;
+use counterpoint_event::event::SpindleDirection;
 
 /// The distinguishing part of codes of a family, for the list of codes.
 pub(super) mod families {
-    pub(crate) use super::arc::{By, Form};
-    pub(crate) use super::coolant::{Flow, Switch};
+    pub(crate) use super::arc::{ArcDefinition, ArcForm};
+    pub(crate) use super::coolant::{CoolantFluid, CoolantTarget};
     pub(crate) use super::cycle::HoleCycle;
     pub(crate) use super::head::HeadEvent;
-    pub(crate) use super::local::Change;
-    pub(crate) use super::plane::{Form as Lie, Tilt};
-    pub(crate) use super::thread::{LeadChange, Setting, ThreadCycle};
-    pub(crate) use super::turning::{Lap, TurningCycle};
+    pub(crate) use super::local::FrameChange;
+    pub(crate) use super::plane::{PlaneDefinition as Lie, Tilt};
+    pub(crate) use super::thread::{LeadChange, ThreadCycle, ThreadCycleSetting};
+    pub(crate) use super::turning::{LapCycle, TurningCycle};
 }
 
 /// The kind of a code: the family that it belongs to, and its distinction within the family.
@@ -35,19 +35,19 @@ pub enum CodeKind {
     /// A modal state with its listing words; users read it from the group.
     Mode(&'static str),
     /// A circle.
-    Arc(arc::Form),
+    Arc(arc::ArcForm),
     /// A thread cut in one move.
     Thread(thread::LeadChange),
     /// A threading cycle.
     ThreadCycle(thread::ThreadCycle),
     /// A setting of threading cycles to come.
-    ThreadSetting(thread::Setting),
+    ThreadSetting(thread::ThreadCycleSetting),
     /// A turning cycle.
     Turning(turning::TurningCycle),
     /// A drilling cycle.
     Cycle(cycle::HoleCycle),
     /// A part of the local frame.
-    Local(Part, local::Change),
+    Local(LocalFramePart, local::FrameChange),
     /// Length compensation of a type, 1 to 4.
     Length {
         /// +1, −1, or 0 to cancel it.
@@ -66,12 +66,12 @@ pub enum CodeKind {
         /// Number of the spindle, 0 = that of codes without a number.
         number: u16,
         /// Its effect.
-        direction: Direction,
+        direction: SpindleDirection,
         /// Coolant that it switches along.
         coolant: Option<bool>,
     },
     /// Coolant, its devices and its pump.
-    Coolant(coolant::Switch),
+    Coolant(coolant::CoolantTarget),
     /// Clamps an axis (`true`) or releases it.
     Clamp(DataId, bool),
     /// Takes whole turns off a rotary axis, or off all.

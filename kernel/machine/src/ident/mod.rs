@@ -13,7 +13,7 @@ mod own;
 pub mod owns;
 pub mod takes;
 
-use crate::index::Table;
+use crate::index::IdTable;
 pub use crate::index::{CodeId, DataId};
 
 /// Name of an identifier: a built-in one, or one of a machine's own.
@@ -21,13 +21,13 @@ pub type Name = std::borrow::Cow<'static, str>;
 
 /// The names of all built-in codes.
 #[must_use]
-pub fn code_names() -> Table<CodeId, Name> {
+pub fn code_names() -> IdTable<CodeId, Name> {
     codes::TABLE.iter().map(|facts| Name::from(facts.name)).collect()
 }
 
 /// The names of all built-in data.
 #[must_use]
-pub fn data_names() -> Table<DataId, Name> {
+pub fn data_names() -> IdTable<DataId, Name> {
     data::TABLE.iter().map(|facts| Name::from(facts.name)).collect()
 }
 

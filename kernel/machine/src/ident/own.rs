@@ -40,9 +40,9 @@ macro_rules! with_own {
             TURN_GROOVE 1 500 true true Turning(TurningCycle::Peck { along_x: true }) => ": pecks along X (Fanuc G75)";
             TURN_SINGLE 1 500 true true Turning(TurningCycle::Single { face: false }) => ": one cut along Z and back (Fanuc G90)";
             TURN_SINGLE_FACE 1 500 true true Turning(TurningCycle::Single { face: true }) => ": one cut along X and back (Fanuc G94)";
-            TURN_LAP_BAR 1 500 true true Turning(TurningCycle::Lap(Lap::Bar)) => ": roughs a named contour level by level (Okuma G85)";
-            TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(Lap::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
-            TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(Lap::Finish)) => ": runs a named contour once (Okuma G87)";
+            TURN_LAP_BAR 1 500 true true Turning(TurningCycle::Lap(LapCycle::Bar)) => ": roughs a named contour level by level (Okuma G85)";
+            TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(LapCycle::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
+            TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(LapCycle::Finish)) => ": runs a named contour once (Okuma G87)";
             TURN_LAP_STAY 0 100 true true Plain => ": the tool stays at the end of the next cycle along a named contour (Okuma M85)";
             TILT_ON 161 100 true true Plane(Tilt::On(Lie::Said)) => ": a tilted plane in the form that the block says (Fanuc G68.2)";
             TILT_ADD 161 100 true true Plane(Tilt::Add(Lie::Said)) => ": the same in the plane that is active (Fanuc G68.4)";
@@ -95,7 +95,7 @@ macro_rules! with_own {
             INTERP_THREAD_ARC_CCLW 1 500 true true Plain => ": counter-clockwise (Okuma G113)";
             THREAD_LEAD_Z 0 90 true true Plain => ": the lead of threads counts along Z (Okuma M26)";
             THREAD_LEAD_X 0 90 true true Plain => ": along X (Okuma M27)";
-            TURN_LAP_THREAD 1 500 true true Turning(TurningCycle::Lap(Lap::Thread)) => ": the passes of a thread along a named contour (Okuma G88)";
+            TURN_LAP_THREAD 1 500 true true Turning(TurningCycle::Lap(LapCycle::Thread)) => ": the passes of a thread along a named contour (Okuma G88)";
             GOHOME_CHECK 0 450 true true Plain => ": rapid move that must end at the reference point (Fanuc G27)";
             GOHOME_FLOATING 0 450 true true Plain => ": return to the floating reference point (Fanuc G30.1)";
             RAPID_ONE_WAY 0 450 true true Plain => ": rapid move that approaches its end from a fixed direction (Fanuc G60)";

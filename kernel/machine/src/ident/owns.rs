@@ -4,10 +4,10 @@
 //! Facts: programming manuals of the controls, which give these codes a block or a list of axis words of their own.
 //! *Invariant:* a code that leaves axis words to the motion code of its block is not in this list.
 
-use counterpoint_motion::frame::local::Part;
+use counterpoint_motion::frame::local::LocalFramePart;
 
 use super::kind::CodeKind;
-use super::kind::local::Change;
+use super::kind::local::FrameChange;
 use super::kind::plane::Tilt;
 use super::{CodeId, codes};
 
@@ -38,7 +38,8 @@ const OWN: &[CodeId] = &[
 #[must_use]
 pub fn owns_axes(id: CodeId) -> bool {
     match id.kind() {
-        CodeKind::Local(_, Change::On | Change::Add) | CodeKind::Local(Part::Mirror, Change::Off) => true,
+        CodeKind::Local(_, FrameChange::On | FrameChange::Add)
+        | CodeKind::Local(LocalFramePart::Mirror, FrameChange::Off) => true,
         CodeKind::Plane(Tilt::On(_) | Tilt::Add(_)) | CodeKind::Turning(_) => true,
         _ => OWN.contains(&id),
     }

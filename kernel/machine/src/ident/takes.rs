@@ -3,14 +3,14 @@
 //! Facts: reference control-emulator.md 6. The kind of a code decides, or the code itself where its kind leaves that
 //! open. In a list of data a star is the rest of a name.
 
-use counterpoint_event::event::Direction;
-use counterpoint_motion::frame::local::Part;
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_motion::frame::local::LocalFramePart;
 
 use super::kind::CodeKind;
-use super::kind::cycle::{HoleCycle, Out, Steps};
-use super::kind::local::Change;
+use super::kind::cycle::{HoleCycle, Out, PeckStyle};
+use super::kind::local::FrameChange;
 use super::kind::plane::Tilt;
-use super::kind::thread::{Setting, ThreadCycle};
+use super::kind::thread::{ThreadCycle, ThreadCycleSetting};
 use super::{CodeId, codes};
 
 /// Words of axes and feed.
@@ -34,10 +34,13 @@ type OfKinds = (fn(HoleCycle) -> bool, &'static str);
 /// All of them.
 const OF_KINDS: [OfKinds; 8] = [
     (HoleCycle::dwells, "REG_CYCLE_DWELL"),
-    (|kind| kind.steps() != Steps::None, "REG_CYCLE_STEP REG_CYCLE_STEP_DECR REG_CYCLE_STEP_MIN REG_CYCLE_STEP_BACK"),
-    (|kind| kind.steps() == Steps::Small, "REG_CYCLE_STEP_OUT"),
+    (
+        |kind| kind.steps() != PeckStyle::None,
+        "REG_CYCLE_STEP REG_CYCLE_STEP_DECR REG_CYCLE_STEP_MIN REG_CYCLE_STEP_BACK",
+    ),
+    (|kind| kind.steps() == PeckStyle::Small, "REG_CYCLE_STEP_OUT"),
     // Under rigid tapping the step makes pecks.
-    (|kind| kind.taps() && kind.steps() == Steps::None, "REG_CYCLE_STEP"),
+    (|kind| kind.taps() && kind.steps() == PeckStyle::None, "REG_CYCLE_STEP"),
     (HoleCycle::taps, "REG_CYCLE_TAP_TYPE REG_CYCLE_RIGID_ORIENT"),
     (|kind| kind.out() == Out::Oriented, "REG_CYCLE_ORIENT REG_CYCLE_BORE_*"),
     (HoleCycle::bores_back, "REG_CYCLE_BOTTOM"),
@@ -153,13 +156,13 @@ fn taken(id: CodeId) -> &'static str {
         CodeKind::ThreadCycle(ThreadCycle { multi: true, .. }) => {
             "REG_THREAD_MULTI_* REG_THREAD_CHAMFER_* REG_INTERP_THREAD_PITCH REG_INTERP_THREAD_ANGLE REG_AXIS_*"
         }
-        CodeKind::ThreadSetting(Setting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
+        CodeKind::ThreadSetting(ThreadCycleSetting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
         CodeKind::Cycle(_) => EVERY_CYCLE,
         CodeKind::Turning(_) => "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",
-        CodeKind::Local(Part::Mirror, _) => "REG_AXIS_*",
-        CodeKind::Local(Part::Translate, Change::On | Change::Add) => "REG_LCS_TRANS_*",
-        CodeKind::Local(Part::Rotate, Change::On | Change::Add) => "REG_LCS_ROT_*",
-        CodeKind::Local(Part::Scale, Change::On | Change::Add) => "REG_LCS_SCALE REG_LCS_SCALE_*",
+        CodeKind::Local(LocalFramePart::Mirror, _) => "REG_AXIS_*",
+        CodeKind::Local(LocalFramePart::Translate, FrameChange::On | FrameChange::Add) => "REG_LCS_TRANS_*",
+        CodeKind::Local(LocalFramePart::Rotate, FrameChange::On | FrameChange::Add) => "REG_LCS_ROT_*",
+        CodeKind::Local(LocalFramePart::Scale, FrameChange::On | FrameChange::Add) => "REG_LCS_SCALE REG_LCS_SCALE_*",
         CodeKind::Plane(Tilt::On(_) | Tilt::Add(_)) => "REG_TILT_*",
         CodeKind::Plane(Tilt::Turn) => "REG_FEED_UPM REG_TILT_RETRACT",
         CodeKind::Plane(Tilt::Move) => "REG_FEED_UPM REG_TILT_RETRACT REG_TILT_DISTANCE",
@@ -169,8 +172,10 @@ fn taken(id: CodeId) -> &'static str {
         CodeKind::TipFormat(4) => "REG_RTCP_RPY_*",
         CodeKind::TipFormat(5) => "REG_RTCP_EULER_*",
         CodeKind::TipFormat(6) => "REG_RTCP_CUSTOM_*",
-        CodeKind::Spindle { direction: Direction::Clockwise | Direction::CounterClockwise, .. } => "REG_SPINDLE_RPM",
-        CodeKind::Spindle { direction: Direction::Oriented, .. } => "REG_SPINDLE_ORIENT",
+        CodeKind::Spindle { direction: SpindleDirection::Clockwise | SpindleDirection::CounterClockwise, .. } => {
+            "REG_SPINDLE_RPM"
+        }
+        CodeKind::Spindle { direction: SpindleDirection::Oriented, .. } => "REG_SPINDLE_ORIENT",
         CodeKind::Coolant(_) => "REG_COOLANT_PRESSURE",
         _ => OWN.iter().find(|(ids, _)| ids.contains(&id)).map_or("", |(_, list)| list),
     }

@@ -3,12 +3,12 @@
 //! Invariant: names are unique in the machine, and an axis starts inside its limits.
 
 use super::defaults;
-use super::names::Names;
+use super::names::NameRegistry;
 use crate::ident::{self, DataId};
-use crate::index::{AxisId, Table};
-use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, Positioning, Turn};
+use crate::index::{AxisId, IdTable};
+use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, ReferencePoints, RotaryPositioning};
 use crate::rows::DataRow;
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Most axes of a machine.
 const MOST: usize = 99;
@@ -17,7 +17,7 @@ const MOST: usize = 99;
 const HIGHEST: i64 = 32_767;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Table<AxisId, Axis> {
+pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, data: &[DataRow]) -> IdTable<AxisId, Axis> {
     top.require("axes", "the axes of the machine");
     let mut axes: Vec<Axis> = Vec::new();
     for mut row in top.rows("axes", "[[axes]]", MOST) {
@@ -42,7 +42,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -
     axes.into_iter().collect()
 }
 
-fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
+fn read_row(row: &mut TableReader<'_>, names: &NameRegistry<'_>) -> Option<Axis> {
     row.require("name", "a name that no other axis of the machine has (X, X2, C1)");
     let name = row.name("name", 16);
     let bare = name.map(|name| name.trim_end_matches(|c: char| c.is_ascii_digit()));
@@ -63,9 +63,13 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     }
     let limits = limits(row, home);
     let (vector, center) = super::kinematics::read_axis(row, data, role);
-    let turns = [("position", Turn::Position), ("shortest", Turn::Shortest), ("sign", Turn::Sign)];
-    let turn = row.choice("turn", &turns).unwrap_or(Turn::Position);
-    if turn != Turn::Position && !role.is_rotary() {
+    let turns = [
+        ("position", RotaryPositioning::Position),
+        ("shortest", RotaryPositioning::Shortest),
+        ("sign", RotaryPositioning::Sign),
+    ];
+    let turn = row.choice("turn", &turns).unwrap_or(RotaryPositioning::Position);
+    if turn != RotaryPositioning::Position && !role.is_rotary() {
         row.error("turn", "only a rotary axis takes the shortest way or the direction of a sign");
     }
     let master = row.integer("master", 1..=99).map(|number| number as u16);
@@ -96,7 +100,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
 }
 
 /// How fast the speed changes. Jerk and corners mean nothing where speeds change at once.
-fn dynamics(row: &mut Section<'_>) -> Dynamics {
+fn dynamics(row: &mut TableReader<'_>) -> Dynamics {
     let acceleration = row.above_zero("acceleration");
     let dynamics =
         Dynamics { acceleration, jerk: row.above_zero("jerk"), corner_speed: row.above_zero("corner_speed") };
@@ -108,7 +112,7 @@ fn dynamics(row: &mut Section<'_>) -> Dynamics {
     dynamics
 }
 
-fn axis_data(row: &mut Section<'_>, letter: Option<&str>, names: &Names<'_>) -> Option<DataId> {
+fn axis_data(row: &mut TableReader<'_>, letter: Option<&str>, names: &NameRegistry<'_>) -> Option<DataId> {
     let Some(name) = row.text("data") else {
         let data = letter.and_then(defaults::axis_data);
         if letter.is_some() && data.is_none() {
@@ -124,7 +128,7 @@ fn axis_data(row: &mut Section<'_>, letter: Option<&str>, names: &Names<'_>) -> 
     Some(id)
 }
 
-fn role(row: &mut Section<'_>) -> Option<AxisRole> {
+fn role(row: &mut TableReader<'_>) -> Option<AxisRole> {
     let words = [
         ("X", AxisRole::X),
         ("Y", AxisRole::Y),
@@ -135,10 +139,10 @@ fn role(row: &mut Section<'_>) -> Option<AxisRole> {
     row.choice("role", &words)
 }
 
-fn positioning(row: &mut Section<'_>) -> Positioning {
+fn positioning(row: &mut TableReader<'_>) -> ReferencePoints {
     let points = row.numbers("references", 0..=3).unwrap_or_default();
     let mut points = points.into_iter();
-    Positioning {
+    ReferencePoints {
         part_zero: row.number("part_zero").unwrap_or(0.0),
         references: [points.next(), points.next(), points.next()],
         floating: row.number("floating"),
@@ -146,7 +150,7 @@ fn positioning(row: &mut Section<'_>) -> Positioning {
     }
 }
 
-fn limits(row: &mut Section<'_>, home: f64) -> Option<(f64, f64)> {
+fn limits(row: &mut TableReader<'_>, home: f64) -> Option<(f64, f64)> {
     let limits = row.numbers("limits", 2..=2)?;
     let [low, high] = limits.as_slice() else { return None };
     if low >= high {

@@ -3,20 +3,20 @@
 //! Invariant: every key of the top level is read exactly here.
 
 use super::chain::Merged;
-use super::names::Names;
+use super::names::NameRegistry;
 use super::{
     axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, external, format,
     habits, head, idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{signs, spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
-use crate::index::Table;
+use crate::index::IdTable;
 use crate::model::{Machine, MachineKind};
-use crate::tables::Tables;
-use crate::toml::check::Check;
-use crate::toml::node::Place;
-use crate::toml::section::Section;
-use counterpoint_ports::files::Files;
+use crate::tables::LookupTables;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
+use counterpoint_ports::files::JobFiles;
 
 /// Builds the machine; whether it is any good is for the findings to say.
 ///
@@ -24,11 +24,11 @@ use counterpoint_ports::files::Files;
 /// composite's components as well.
 pub(super) fn machine(
     merged: &Merged,
-    files: &dyn Files,
-    composite: Option<Option<(&str, &Place)>>,
-    check: &Check,
-) -> (Machine, Vec<components::Row>) {
-    let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
+    files: &dyn JobFiles,
+    composite: Option<Option<(&str, &DefinitionPlace)>>,
+    check: &FindingCollector,
+) -> (Machine, Vec<components::ComponentRow>) {
+    let mut top = TableReader::new(&merged.table, merged.start.clone(), "the machine file", check);
     top.text("extends");
     if top.flag("abstract") == Some(true) {
         let name = &merged.folder;
@@ -42,7 +42,7 @@ pub(super) fn machine(
     let together = composite.is_some() || head.kind == MachineKind::Composite;
     let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
-    let mut names = Names { check, registers, codes: ident::code_names(), data: ident::data_names() };
+    let mut names = NameRegistry { check, registers, codes: ident::code_names(), data: ident::data_names() };
     let mut data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
@@ -94,8 +94,8 @@ pub(super) fn machine(
     let mut diagnostics = diagnostics::read(&mut top, files);
     diagnostics.refusals = refusals::read(&mut top, &names, &codes);
     top.finish();
-    let (codes, data): (Table<_, _>, Table<_, _>) = (codes.into_iter().collect(), data.into_iter().collect());
-    let tables = Tables::new(&names.registers, &codes, &data, &names.data);
+    let (codes, data): (IdTable<_, _>, IdTable<_, _>) = (codes.into_iter().collect(), data.into_iter().collect());
+    let tables = LookupTables::new(&names.registers, &codes, &data, &names.data);
     let machine = Machine {
         name: head.name,
         number: head.number,

@@ -5,14 +5,14 @@
 //! a parameter of the control, so the machine says it.
 
 use super::digits;
-use super::word::{self, Word, Wrong};
+use super::word::{self, CodeWord, CodeWordError};
 use crate::ident::codes;
-use crate::index::{RegisterId, Table};
-use crate::model::{CallHow, Variables, WordCall};
+use crate::index::{IdTable, RegisterId};
+use crate::model::{CallHow, ProgramVariables, WordCall};
 use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeRow, Register};
 use crate::tables::{form_range, overlap};
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Most rows of the table.
 const MOST: usize = 1000;
@@ -25,14 +25,14 @@ const OWN: [f64; 4] = [65.0, 66.0, 66.1, 67.0];
 
 /// The references of the rows.
 pub(super) struct Around<'a> {
-    pub(super) registers: &'a Table<RegisterId, Register>,
+    pub(super) registers: &'a IdTable<RegisterId, Register>,
     pub(super) codes: &'a [CodeRow],
-    pub(super) variables: &'a Variables,
+    pub(super) variables: &'a ProgramVariables,
     pub(super) preprocessor: Preprocessor,
 }
 
 /// Reads the rows in file order.
-pub(super) fn read(section: &mut Section<'_>, around: &Around<'_>) -> Vec<WordCall> {
+pub(super) fn read(section: &mut TableReader<'_>, around: &Around<'_>) -> Vec<WordCall> {
     let mut calls: Vec<WordCall> = Vec::new();
     for mut row in section.rows("calls", "[[subprograms.calls]]", MOST) {
         let call = read_row(&mut row, around);
@@ -50,7 +50,7 @@ pub(super) fn read(section: &mut Section<'_>, around: &Around<'_>) -> Vec<WordCa
     calls
 }
 
-fn read_row(row: &mut Section<'_>, around: &Around<'_>) -> Option<WordCall> {
+fn read_row(row: &mut TableReader<'_>, around: &Around<'_>) -> Option<WordCall> {
     row.require("word", "a letter, a word, or a range of words");
     row.require("program", "the number of the program that is called");
     let enable = row.flag("enable").unwrap_or(true);
@@ -66,18 +66,18 @@ fn read_row(row: &mut Section<'_>, around: &Around<'_>) -> Option<WordCall> {
     row.require("as", "how it calls: \"macro\", \"subprogram\", \"modal\" or \"modal-each\"");
     let how = row.choice("as", &ways);
     let variable = row.integer("variable", 100..=99_999).and_then(|number| u32::try_from(number).ok());
-    let Word { register, min, max } = word?;
+    let CodeWord { register, min, max } = word?;
     let (line, file) = (row.place().line, row.place().file.to_string());
     let call = WordCall { register, min, max, program: program?, consecutive, how: how?, variable, line, file };
     enable.then_some(call)
 }
 
 /// A word, a range, or a letter alone: every value of it.
-fn read_word(row: &mut Section<'_>, registers: &Table<RegisterId, Register>) -> Option<Word> {
+fn read_word(row: &mut TableReader<'_>, registers: &IdTable<RegisterId, Register>) -> Option<CodeWord> {
     let text = row.text("word")?;
     let alone = registers.find(|register| register.name == text);
     let parsed = match alone {
-        Some(register) => Ok(Word { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
+        Some(register) => Ok(CodeWord { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
         None => word::parse(text, registers),
     };
     match parsed {
@@ -88,18 +88,18 @@ fn read_word(row: &mut Section<'_>, registers: &Table<RegisterId, Register>) -> 
             }
             Some(word)
         }
-        Err(Wrong::Form(text)) => {
+        Err(CodeWordError::Form(text)) => {
             row.error("word", text);
             None
         }
-        Err(Wrong::Register(letters)) => {
+        Err(CodeWordError::Register(letters)) => {
             row.error("word", format!("no register has the name \"{}\"", letters.escape_debug()));
             None
         }
     }
 }
 
-fn check(row: &Section<'_>, call: &WordCall, before: &[WordCall], around: &Around<'_>) {
+fn check(row: &TableReader<'_>, call: &WordCall, before: &[WordCall], around: &Around<'_>) {
     let range = (call.min, call.max);
     let letter = around.registers[call.register].name.as_str();
     let same = |other: &&WordCall| other.register == call.register && overlap(range, (other.min, other.max));
@@ -128,7 +128,7 @@ fn check(row: &Section<'_>, call: &WordCall, before: &[WordCall], around: &Aroun
         row.error("consecutive", format!("the last word of the range would call a program beyond {LARGEST}"));
     }
     let common = |number: &u32| {
-        let Variables { shared, channel, .. } = around.variables;
+        let ProgramVariables { shared, channel, .. } = around.variables;
         shared.iter().chain(channel).any(|(first, last)| (first..=last).contains(&number))
     };
     if let Some(number) = call.variable.filter(|number| !common(number)) {

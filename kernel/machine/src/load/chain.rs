@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use super::row_name::row_name;
 use super::units::check_units;
-use crate::toml::check::Check;
+use crate::toml::check::FindingCollector;
 use crate::toml::merge::merge;
-use crate::toml::node::{Place, Table, Value};
+use crate::toml::node::{DefinitionPlace, TomlTable, TomlValue};
 use crate::toml::parse::parse;
 use crate::toml::suggest::did_you_mean;
-use counterpoint_ports::files::{Error, Files};
+use counterpoint_ports::files::{FileError, JobFiles};
 
 /// Name of the file in a machine's folder.
 pub(super) const FILE: &str = "machine.toml";
@@ -20,9 +20,9 @@ pub(super) const FILE: &str = "machine.toml";
 /// A machine's own file over all its families.
 pub(super) struct Merged {
     /// Everything.
-    pub(super) table: Table,
+    pub(super) table: TomlTable,
     /// The machine's own file.
-    pub(super) start: Place,
+    pub(super) start: DefinitionPlace,
     /// The folder it was loaded from.
     pub(super) folder: String,
     /// The folders of the chain, its own first.
@@ -33,7 +33,7 @@ pub(super) struct Merged {
 
 /// Reads and merges the chain; `None` when the machine's own file is not there. Folders inside those of `within` come
 /// before folders beside them.
-pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Check) -> Option<Merged> {
+pub(super) fn read(files: &dyn JobFiles, name: &str, within: &[String], check: &FindingCollector) -> Option<Merged> {
     let folder = resolved(files, name, within, &[]);
     let start = place_of(&folder);
     let own = read_file(files, (name, &folder), &start, None, check)?;
@@ -58,7 +58,7 @@ pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Che
 
 /// The folder that a name means: the first one inside those of `within`, except for those that were seen, otherwise one
 /// beside them.
-fn resolved(files: &dyn Files, name: &str, within: &[String], seen: &[String]) -> String {
+fn resolved(files: &dyn JobFiles, name: &str, within: &[String], seen: &[String]) -> String {
     let mut inside = within.iter().filter(|_| is_plain(name)).map(|outer| format!("{outer}/{name}"));
     let found = inside.find(|folder| !seen.contains(folder) && files.read(&format!("{folder}/{FILE}")).is_ok());
     found.unwrap_or_else(|| name.to_owned())
@@ -70,12 +70,12 @@ pub(super) fn is_plain(name: &str) -> bool {
 }
 
 fn parent_table(
-    files: &dyn Files,
+    files: &dyn JobFiles,
     seen: &[String],
     (parent, folder): (&str, &str),
-    place: &Place,
-    check: &Check,
-) -> Option<Table> {
+    place: &DefinitionPlace,
+    check: &FindingCollector,
+) -> Option<TomlTable> {
     if seen.iter().any(|seen| seen == folder) {
         let circle = seen.iter().map(String::as_str).chain([folder]).collect::<Vec<_>>().join(" -> ");
         check.error(place, format!("`extends` runs in a circle: {circle}"));
@@ -84,31 +84,31 @@ fn parent_table(
     read_file(files, (parent, folder), place, Some(parent), check)
 }
 
-fn extends(table: &Table) -> Option<(String, Place)> {
+fn extends(table: &TomlTable) -> Option<(String, DefinitionPlace)> {
     let node = table.get("extends")?;
     match &node.value {
-        Value::Text(name) => Some((name.clone(), node.place.clone())),
+        TomlValue::Text(name) => Some((name.clone(), node.place.clone())),
         _ => None,
     }
 }
 
 fn read_file(
-    files: &dyn Files,
+    files: &dyn JobFiles,
     (name, folder): (&str, &str),
-    place: &Place,
+    place: &DefinitionPlace,
     parent: Option<&str>,
-    check: &Check,
-) -> Option<Table> {
+    check: &FindingCollector,
+) -> Option<TomlTable> {
     let path = format!("{folder}/{FILE}");
-    let content = if is_plain(name) { files.read(&path) } else { Err(Error::Missing(path)) };
+    let content = if is_plain(name) { files.read(&path) } else { Err(FileError::Missing(path)) };
     match content {
         Ok(bytes) => Some(parse(&place_of(folder).file, &bytes, check)),
-        Err(Error::Missing(_)) => {
+        Err(FileError::Missing(_)) => {
             let what = if parent.is_some() { "no machine to extend" } else { "no machine" };
             check.error(place, format!("{what} of the name \"{}\"{}", name.escape_debug(), known(files, name)));
             None
         }
-        Err(Error::Unreadable { reason, .. }) => {
+        Err(FileError::Unreadable { reason, .. }) => {
             check.error(place, format!("cannot read {folder}/{FILE}: {reason}"));
             None
         }
@@ -116,7 +116,7 @@ fn read_file(
 }
 
 /// The machines there are, and the nearest.
-fn known(files: &dyn Files, wanted: &str) -> String {
+fn known(files: &dyn JobFiles, wanted: &str) -> String {
     let paths = files.list();
     let names: Vec<&str> = paths
         .iter()
@@ -129,12 +129,12 @@ fn known(files: &dyn Files, wanted: &str) -> String {
     format!("{}; there are: {}", did_you_mean(wanted, names.iter().copied()), names.join(", "))
 }
 
-fn place_of(folder: &str) -> Place {
-    Place { file: Arc::from(format!("{folder}/{FILE}")), line: 0, column: 0 }
+fn place_of(folder: &str) -> DefinitionPlace {
+    DefinitionPlace { file: Arc::from(format!("{folder}/{FILE}")), line: 0, column: 0 }
 }
 
 /// The inherited parts of a child.
-fn heritage(mut parent: Table) -> Table {
+fn heritage(mut parent: TomlTable) -> TomlTable {
     parent.remove("abstract");
     parent.remove("extends");
     if let Some(ce) = parent.table_mut("ce") {

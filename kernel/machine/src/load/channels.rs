@@ -3,11 +3,11 @@
 //! Invariant: an axis that channels do not exchange belongs to one of them, and no two axes of a channel answer to the
 //! same word.
 
-use crate::index::{AxisId, AxisSlot, SpindleId, Table};
+use crate::index::{AxisId, AxisSlot, IdTable, SpindleId};
 use crate::model::{Axis, Channel, Spindle};
-use crate::toml::check::Check;
-use crate::toml::node::{Node, Value};
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{Node, TomlValue};
+use crate::toml::section::TableReader;
 use crate::toml::suggest::did_you_mean;
 use counterpoint_event::MAX_AXES;
 
@@ -16,10 +16,10 @@ const MOST: usize = 99;
 
 /// Reads the rows and sorts them by number.
 pub(super) fn read(
-    top: &mut Section<'_>,
-    axes: &Table<AxisId, Axis>,
-    spindles: &Table<SpindleId, Spindle>,
-    check: &Check,
+    top: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    spindles: &IdTable<SpindleId, Spindle>,
+    check: &FindingCollector,
 ) -> Vec<Channel> {
     top.require("channels", "at least one channel");
     let mut channels: Vec<Channel> = Vec::new();
@@ -40,10 +40,10 @@ pub(super) fn read(
 }
 
 fn read_row(
-    row: &mut Section<'_>,
-    axes: &Table<AxisId, Axis>,
-    spindles: &Table<SpindleId, Spindle>,
-    check: &Check,
+    row: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    spindles: &IdTable<SpindleId, Spindle>,
+    check: &FindingCollector,
 ) -> Option<Channel> {
     row.require("number", "a whole number from 1 to 99");
     let number = row.integer("number", 1..=99).map(|number| number as u16);
@@ -68,10 +68,10 @@ fn read_row(
 
 /// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.
 fn polar_axes(
-    row: &mut Section<'_>,
-    axes: &Table<AxisId, Axis>,
-    own: &Table<AxisSlot, AxisId>,
-    check: &Check,
+    row: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    own: &IdTable<AxisSlot, AxisId>,
+    check: &FindingCollector,
 ) -> Option<[AxisSlot; 2]> {
     let names = row.texts("polar")?;
     let found: Vec<AxisSlot> = names
@@ -95,7 +95,11 @@ fn polar_axes(
     }
 }
 
-fn channel_axes(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Table<AxisSlot, AxisId> {
+fn channel_axes(
+    row: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) -> IdTable<AxisSlot, AxisId> {
     let names = row.texts("axes").unwrap_or_default();
     if names.len() > MAX_AXES {
         row.error("axes", format!("a channel has at most {MAX_AXES} axes, not {}", names.len()));
@@ -119,16 +123,16 @@ fn channel_axes(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check
 }
 
 /// Warns about axes that no channel has, unless a mistake may be the reason; those of a family cannot be taken away.
-fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &Table<AxisId, Axis>, check: &Check) {
+fn check_idle(top: &mut TableReader<'_>, channels: &[Channel], axes: &IdTable<AxisId, Axis>, check: &FindingCollector) {
     if check.has_errors() {
         return;
     }
-    let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
+    let Some(TomlValue::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
     for (id, axis) in axes.entries() {
         if channels.is_empty() || channels.iter().any(|channel| channel.axes.as_slice().contains(&id)) {
             continue;
         }
-        let of_axis = |row: &&Node| matches!(&row.value, Value::Table(row) if row.text("name") == Some(&axis.name));
+        let of_axis = |row: &&Node| matches!(&row.value, TomlValue::Table(row) if row.text("name") == Some(&axis.name));
         if let Some(row) = rows.iter().find(of_axis).filter(|row| row.place.file == top.place().file) {
             let text = format!("no channel has the axis {}, so nothing can move it; `axes` of [[channels]]", axis.name);
             check.idle(&row.place, text);
@@ -136,7 +140,7 @@ fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &Table<AxisId, 
     }
 }
 
-fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &Table<AxisId, Axis>) {
+fn check_twins(row: &TableReader<'_>, channel: &Channel, others: &[Channel], axes: &IdTable<AxisId, Axis>) {
     for other in others {
         if other.number == channel.number {
             row.error("number", format!("there is already a channel {}", channel.number));
@@ -155,12 +159,17 @@ fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &
 }
 
 /// Axes that channels exchange: the one that has an axis at the start lists it, and so does another one.
-fn check_masters(top: &mut Section<'_>, channels: &[Channel], axes: &Table<AxisId, Axis>, check: &Check) {
-    let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
+fn check_masters(
+    top: &mut TableReader<'_>,
+    channels: &[Channel],
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) {
+    let Some(TomlValue::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
     for (id, axis) in axes.entries() {
         let Some(master) = axis.master else { continue };
         let place = rows.iter().find_map(|row| match &row.value {
-            Value::Table(table) if table.text("name") == Some(&axis.name) => Some(&row.place),
+            TomlValue::Table(table) if table.text("name") == Some(&axis.name) => Some(&row.place),
             _ => None,
         });
         let Some(place) = place else { continue };

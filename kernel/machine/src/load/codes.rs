@@ -5,13 +5,13 @@
 
 use super::defaults;
 use super::digits;
-use super::names::Names;
-use super::word::{self, Wrong};
+use super::names::NameRegistry;
+use super::word::{self, CodeWordError};
 use crate::ident;
 use crate::ident::kind::CodeKind;
 use crate::index::RegisterId;
-use crate::rows::{CodeForm, CodeRow, Modality, Overlap};
-use crate::toml::section::Section;
+use crate::rows::{CodeForm, CodeRow, Modality, TimeOverlap};
+use crate::toml::section::TableReader;
 
 /// Most rows of the code table.
 const MOST: usize = 4000;
@@ -23,7 +23,7 @@ const CUSTOM_ORDER: u16 = 300;
 const SYSTEMS: [(&str, &str); 3] = [("A", "A"), ("B", "B"), ("C", "C")];
 
 /// Whether the row belongs to other systems of G codes than that of the machine.
-fn in_other_systems(section: &mut Section<'_>, system: &str) -> bool {
+fn in_other_systems(section: &mut TableReader<'_>, system: &str) -> bool {
     let Some(systems) = section.texts("systems") else { return false };
     for (name, place) in &systems {
         if SYSTEMS.iter().all(|(known, _)| known != name) {
@@ -37,7 +37,7 @@ fn in_other_systems(section: &mut Section<'_>, system: &str) -> bool {
 }
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<CodeRow> {
+pub(super) fn read(top: &mut TableReader<'_>, names: &mut NameRegistry<'_>) -> Vec<CodeRow> {
     top.require("codes", "the words that fire codes");
     let mut rows: Vec<CodeRow> = Vec::new();
     let system = top.table("control", "[control]").and_then(|mut control| control.choice("system", &SYSTEMS));
@@ -61,7 +61,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<CodeRow>
     rows
 }
 
-fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow> {
+fn read_row(section: &mut TableReader<'_>, names: &mut NameRegistry<'_>) -> Option<CodeRow> {
     let id = names.code_of_row(section);
     let form = read_form(section, names);
     let enable = section.flag("enable").unwrap_or(true);
@@ -96,7 +96,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         }
     }
     let seconds = section.at_least_zero("seconds").unwrap_or(0.0);
-    let overlap = section.choice("overlap", &Overlap::WORDS).unwrap_or_default();
+    let overlap = section.choice("overlap", &TimeOverlap::WORDS).unwrap_or_default();
     let axis = section.choice("axis", &[("X", 0), ("Y", 1), ("Z", 2)]);
     section.node("alias");
     let (id, swallow) = id?;
@@ -130,13 +130,13 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     })
 }
 
-fn modality(section: &mut Section<'_>) -> Option<Modality> {
+fn modality(section: &mut TableReader<'_>) -> Option<Modality> {
     let words = [("non-modal", Modality::NonModal), ("modal", Modality::Modal), ("persistent", Modality::Persistent)];
     section.choice("modality", &words)
 }
 
 /// Exactly one of `word`, `text`, `none = true`.
-fn read_form(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
+fn read_form(section: &mut TableReader<'_>, names: &NameRegistry<'_>) -> Option<CodeForm> {
     let has_word = section.node("word").is_some();
     let has_text = section.node("text").is_some();
     let none = section.flag("none") == Some(true);
@@ -162,16 +162,16 @@ fn read_form(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
     }
 }
 
-fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
+fn read_word(section: &mut TableReader<'_>, names: &NameRegistry<'_>) -> Option<CodeForm> {
     let data = section.text("as_data").map(|name| names.data(name, section.place_of("as_data")));
     let written = section.text("word")?;
     let word = match word::parse(written, &names.registers) {
         Ok(word) => word,
-        Err(Wrong::Register(letters)) => {
+        Err(CodeWordError::Register(letters)) => {
             names.unknown_register(&letters, section.place_of("word"));
             return None;
         }
-        Err(Wrong::Form(text)) => {
+        Err(CodeWordError::Form(text)) => {
             section.error("word", text);
             return None;
         }
@@ -187,7 +187,7 @@ fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
     }
 }
 
-fn registers(section: &mut Section<'_>, key: &'static str, names: &Names<'_>) -> Vec<RegisterId> {
+fn registers(section: &mut TableReader<'_>, key: &'static str, names: &NameRegistry<'_>) -> Vec<RegisterId> {
     let texts = section.texts(key).unwrap_or_default();
     texts.into_iter().filter_map(|(name, place)| names.register(name, place)).collect()
 }

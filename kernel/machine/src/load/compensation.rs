@@ -4,13 +4,13 @@
 //! Invariant: the angle is one of 0 to 180 degrees.
 
 use crate::model::{
-    Between, Compensation, CornerShape, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner,
+    Between, CompensationRules, CornerShape, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner,
 };
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Reads `[compensation]`.
-pub(super) fn read(top: &mut Section<'_>) -> Compensation {
-    let mut made = Compensation {
+pub(super) fn read(top: &mut TableReader<'_>) -> CompensationRules {
+    let mut made = CompensationRules {
         rapid: true,
         arcs: false,
         corner: OutsideCorner::Angle,
@@ -63,7 +63,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
 }
 
 /// Limits of sharp and round corners.
-fn shape(section: &mut Section<'_>) -> Option<CornerShape> {
+fn shape(section: &mut TableReader<'_>) -> Option<CornerShape> {
     let mut limit = |key: &'static str, most: f64| {
         let value = section.at_least_zero(key)?;
         if value > most {
@@ -79,7 +79,7 @@ fn shape(section: &mut Section<'_>) -> Option<CornerShape> {
     Some(CornerShape { sharp: sharp.unwrap_or(90.0), flat: flat.unwrap_or(0.0), distortion: distortion.unwrap_or(0.0) })
 }
 
-fn length(section: &mut Section<'_>) -> LengthRules {
+fn length(section: &mut TableReader<'_>) -> LengthRules {
     let mut made = LengthRules::default();
     let there = [("stays", LengthThere::Stays), ("off", LengthThere::Off), ("ends", LengthThere::Ends)];
     made.at_reference = section.choice("length_at_reference", &there).unwrap_or(made.at_reference);
@@ -97,7 +97,7 @@ fn length(section: &mut Section<'_>) -> LengthRules {
 }
 
 /// Reads `[corners]`.
-pub(super) fn corners(top: &mut Section<'_>) -> Corners {
+pub(super) fn corners(top: &mut TableReader<'_>) -> Corners {
     let mut made = Corners { between: 1, dwell_only: false, reduces: false, rapid: false };
     let Some(mut section) = top.table("corners", "[corners]") else { return made };
     if let Some(between) = section.integer("between", 0..=100) {

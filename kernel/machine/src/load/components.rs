@@ -9,10 +9,10 @@
 
 use crate::model::{Channel, Machine, MachineKind};
 use crate::stored::StoredFile;
-use crate::toml::check::Check;
+use crate::toml::check::FindingCollector;
 use crate::toml::merge::merge;
-use crate::toml::node::{Entry, Node, Place, Table, Value};
-use crate::toml::section::Section;
+use crate::toml::node::{DefinitionPlace, Node, TomlEntry, TomlTable, TomlValue};
+use crate::toml::section::TableReader;
 use counterpoint_lang::ident::minor_code;
 
 use super::chain::{FILE, Merged, is_plain};
@@ -37,21 +37,26 @@ const SHARED_KEYS_OF_A_PREPROCESSOR: [&str; 1] = ["variables"];
 const OWN_MACROS: [&str; 3] = ["declaration", "machine_startup", "machine_shutdown"];
 
 /// A row of the section.
-pub(super) struct Row {
+pub(super) struct ComponentRow {
     pub(super) designator: String,
     pub(super) name: String,
     /// Folder of the machine file.
     pub(super) folder: String,
     pub(super) channels: Vec<u16>,
     /// Additions of the composite's file to the definition, as a file that extends it.
-    pub(super) add: Option<Table>,
+    pub(super) add: Option<TomlTable>,
     /// Where the folder is named.
-    pub(super) place: Place,
+    pub(super) place: DefinitionPlace,
 }
 
 /// Reads the rows.
-pub(super) fn read(top: &mut Section<'_>, kind: MachineKind, channels: &[Channel], check: &Check) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
+pub(super) fn read(
+    top: &mut TableReader<'_>,
+    kind: MachineKind,
+    channels: &[Channel],
+    check: &FindingCollector,
+) -> Vec<ComponentRow> {
+    let mut rows: Vec<ComponentRow> = Vec::new();
     for mut section in top.rows("components", "[[components]]", MOST) {
         if let Some(row) = read_row(&mut section, channels, check) {
             if rows.iter().any(|other| other.designator == row.designator) {
@@ -75,7 +80,7 @@ pub(super) fn read(top: &mut Section<'_>, kind: MachineKind, channels: &[Channel
     rows
 }
 
-fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Option<Row> {
+fn read_row(row: &mut TableReader<'_>, channels: &[Channel], check: &FindingCollector) -> Option<ComponentRow> {
     row.require("designator", "the minor word by which macros name the component (TURN, MILL)");
     let designator = row.name("designator", 24).map(str::to_ascii_uppercase);
     if let Some(word) = designator.as_deref().filter(|word| minor_code(word).is_none()) {
@@ -95,7 +100,7 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
     let mut own = Vec::new();
     for node in row.list("channels").unwrap_or_default() {
         let channel = channels.iter().find(|channel| match node.value {
-            Value::Integer(number) => number == i64::from(channel.number),
+            TomlValue::Integer(number) => number == i64::from(channel.number),
             _ => false,
         });
         match channel {
@@ -116,7 +121,7 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
         }
     }
     let (designator, place) = (designator?, row.place_of("machine").clone());
-    Some(Row {
+    Some(ComponentRow {
         name: name.unwrap_or_else(|| designator.clone()),
         designator,
         folder: folder?,
@@ -127,9 +132,9 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
 }
 
 /// Whether a section has only keys of `[tool]` that are a component's own.
-fn is_of_tool_words(section: &str, value: &Value) -> bool {
-    let only = |table: &Table| table.entries.iter().all(|entry| OWN_TOOL_KEYS.contains(&entry.key.as_str()));
-    section == "tool" && matches!(value, Value::Table(table) if only(table))
+fn is_of_tool_words(section: &str, value: &TomlValue) -> bool {
+    let only = |table: &TomlTable| table.entries.iter().all(|entry| OWN_TOOL_KEYS.contains(&entry.key.as_str()));
+    section == "tool" && matches!(value, TomlValue::Table(table) if only(table))
 }
 
 /// Whether a component has a section, or a part of it such as `format.opskip`, from its composite.
@@ -139,8 +144,8 @@ pub fn is_common(section: &str) -> bool {
 }
 
 /// The file of a component with the sections that it has from its composite.
-pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged {
-    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
+pub(super) fn fit(mut component: Merged, composite: &TomlTable, row: &ComponentRow) -> Merged {
+    let control = |table: &TomlTable| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
     let own_shape = control(&component.table) != control(composite);
     let of_control = SHARED_KEYS_OF_A_PREPROCESSOR.iter().filter(|_| !own_shape);
     for key in SHARED_KEYS.iter().chain(of_control) {
@@ -162,57 +167,57 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
     }
     let place = row.place.clone();
     if table.get("tool").is_none() && !tool_words.is_empty() {
-        table.entries.push(entry("tool", &place, Value::Table(Table::default())));
+        table.entries.push(entry("tool", &place, TomlValue::Table(TomlTable::default())));
     }
     if let Some(tool) = table.table_mut("tool") {
         tool.entries.retain(|entry| !OWN_TOOL_KEYS.contains(&entry.key.as_str()));
         tool.entries.extend(tool_words);
     }
     if table.get("ce").is_none() {
-        table.entries.push(entry("ce", &place, Value::Table(Table::default())));
+        table.entries.push(entry("ce", &place, TomlValue::Table(TomlTable::default())));
     }
     if let Some(ce) = table.table_mut("ce").filter(|ce| ce.get("name").is_none()) {
-        ce.entries.push(entry("name", &place, Value::Text(row.name.clone())));
+        ce.entries.push(entry("name", &place, TomlValue::Text(row.name.clone())));
     }
     component
 }
 
 /// The keys of `[tool]` that are a component's own.
-fn tool_words(component: &Table) -> Vec<Entry> {
-    let Some(Value::Table(tool)) = component.get("tool").map(|node| &node.value) else { return Vec::new() };
+fn tool_words(component: &TomlTable) -> Vec<TomlEntry> {
+    let Some(TomlValue::Table(tool)) = component.get("tool").map(|node| &node.value) else { return Vec::new() };
     tool.entries.iter().filter(|entry| OWN_TOOL_KEYS.contains(&entry.key.as_str())).cloned().collect()
 }
 
 /// Keys of a section of the composite, without those that the folder of the component inside that of the composite
 /// gives.
-fn shared_keys(component: &Table, composite: &Table, section: &str) -> Table {
+fn shared_keys(component: &TomlTable, composite: &TomlTable, section: &str) -> TomlTable {
     let entry = composite.entries.iter().find(|entry| entry.key == section).cloned();
-    let Some(mut entry) = entry else { return Table::default() };
+    let Some(mut entry) = entry else { return TomlTable::default() };
     let own = match component.get(section).map(|node| &node.value) {
-        Some(Value::Table(own)) => own.entries.as_slice(),
+        Some(TomlValue::Table(own)) => own.entries.as_slice(),
         _ => &[],
     };
-    if let Value::Table(table) = &mut entry.node.value {
+    if let TomlValue::Table(table) = &mut entry.node.value {
         table.entries.retain(|entry| own.iter().all(|own| own.key != entry.key || !is_inside(&own.place)));
     }
-    Table { entries: vec![entry] }
+    TomlTable { entries: vec![entry] }
 }
 
 /// Whether a place is in a folder inside that of a machine.
-fn is_inside(place: &Place) -> bool {
+fn is_inside(place: &DefinitionPlace) -> bool {
     place.file.matches('/').count() > 1
 }
 
 /// Name of the pre-processor in a section.
-fn preprocessor(section: &Value) -> Option<&str> {
+fn preprocessor(section: &TomlValue) -> Option<&str> {
     match section {
-        Value::Table(section) => section.text("preprocessor"),
+        TomlValue::Table(section) => section.text("preprocessor"),
         _ => None,
     }
 }
 
-fn entry(key: &str, place: &Place, value: Value) -> Entry {
-    Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
+fn entry(key: &str, place: &DefinitionPlace, value: TomlValue) -> TomlEntry {
+    TomlEntry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
 }
 
 /// Leaves out the macros and stored files that a composite has from the family of a control: they are its components'.
@@ -220,20 +225,20 @@ fn entry(key: &str, place: &Place, value: Value) -> Entry {
 /// The family begins after the last folder of the chain that says `type = "composite"` or has rows of components.
 pub(super) fn leave_out_family(composite: &mut Merged) {
     let of_machine = composite.table.get("machine").and_then(|node| match &node.value {
-        Value::Table(machine) => machine.get("type").filter(|_| machine.text("type") == Some("composite")),
+        TomlValue::Table(machine) => machine.get("type").filter(|_| machine.text("type") == Some("composite")),
         _ => None,
     });
     let Some(kind) = of_machine else { return };
     let rows = match composite.table.get("components").map(|node| &node.value) {
-        Some(Value::Array(rows)) => rows.as_slice(),
+        Some(TomlValue::Array(rows)) => rows.as_slice(),
         _ => &[],
     };
-    let places: Vec<&Place> = rows.iter().map(|row| &row.place).chain([&kind.place]).collect();
+    let places: Vec<&DefinitionPlace> = rows.iter().map(|row| &row.place).chain([&kind.place]).collect();
     let says =
         |folder: &String| places.iter().any(|place| place.file.strip_suffix(FILE) == Some(&format!("{folder}/")));
     let last = composite.chain.iter().rposition(says).unwrap_or(0);
     let own: Vec<String> = composite.chain.iter().take(last + 1).map(|folder| format!("{folder}/{FILE}")).collect();
-    let is_own = |entry: &Entry| own.iter().any(|file| **file == *entry.place.file);
+    let is_own = |entry: &TomlEntry| own.iter().any(|file| **file == *entry.place.file);
     composite.table.entries.retain(|entry| entry.key != "files" || is_own(entry));
     if let Some(macros) = composite.table.table_mut("macros") {
         macros.entries.retain(is_own);
@@ -241,14 +246,14 @@ pub(super) fn leave_out_family(composite: &mut Merged) {
 }
 
 /// Reports a composite without words of its own, which its waits and its axes need.
-pub(super) fn check_family(composite: &Merged, check: &Check) {
-    let Some(Value::Array(rows)) = composite.table.get("components").map(|node| &node.value) else { return };
+pub(super) fn check_family(composite: &Merged, check: &FindingCollector) {
+    let Some(TomlValue::Array(rows)) = composite.table.get("components").map(|node| &node.value) else { return };
     let missing = ["registers", "codes", "data"].iter().any(|key| composite.table.get(key).is_none());
     if !missing || composite.table.get("extends").is_some() {
         return;
     }
     let first = rows.iter().find_map(|row| match &row.value {
-        Value::Table(row) => row.text("machine"),
+        TomlValue::Table(row) => row.text("machine"),
         _ => None,
     });
     let family = first.map(|first| format!("; add extends = \"{first}\"")).unwrap_or_default();
@@ -263,8 +268,13 @@ pub(super) fn check_family(composite: &Merged, check: &Check) {
 }
 
 /// Warns of a component whose programs are read in the form of another family.
-pub(super) fn check_format(component: &Merged, composite: (&Table, &[String]), row: &Row, check: &Check) {
-    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
+pub(super) fn check_format(
+    component: &Merged,
+    composite: (&TomlTable, &[String]),
+    row: &ComponentRow,
+    check: &FindingCollector,
+) {
+    let control = |table: &TomlTable| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
     let (table, folders) = composite;
     let family = folders.last().filter(|_| folders.len() > 1);
     let is_of_family = component.chain.iter().any(|folder| folders.contains(folder));
@@ -281,7 +291,11 @@ pub(super) fn check_format(component: &Merged, composite: (&Table, &[String]), r
 }
 
 /// The files stored with a composite: its own, and those of its components.
-pub(super) fn stored(composite: &[StoredFile], rows: &[(&Row, &Machine)], check: &Check) -> Vec<StoredFile> {
+pub(super) fn stored(
+    composite: &[StoredFile],
+    rows: &[(&ComponentRow, &Machine)],
+    check: &FindingCollector,
+) -> Vec<StoredFile> {
     let mut all = composite.to_vec();
     for (row, component) in rows {
         for file in &component.storage {
@@ -305,8 +319,8 @@ pub(super) fn stored(composite: &[StoredFile], rows: &[(&Row, &Machine)], check:
 
 /// The declaration macro of a composite, whose GLOBAL variables its components see: name of the file, and where it is
 /// named.
-pub(super) fn declaration(composite: &Table) -> Option<(&str, &Place)> {
-    let Value::Table(macros) = &composite.get("macros")?.value else { return None };
+pub(super) fn declaration(composite: &TomlTable) -> Option<(&str, &DefinitionPlace)> {
+    let TomlValue::Table(macros) = &composite.get("macros")?.value else { return None };
     Some((macros.text("declaration")?, &macros.get("declaration")?.place))
 }
 
@@ -330,12 +344,12 @@ const OWN_SECTIONS: [&str; 15] = [
 ];
 
 /// Reports sections of the file of a composite that have no effect, except those inherited from its family.
-pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
-    let own = |place: &Place| &*place.file == file;
+pub(super) fn check_sections(composite: &TomlTable, file: &str, check: &FindingCollector) {
+    let own = |place: &DefinitionPlace| &*place.file == file;
     for entry in composite.entries.iter().filter(|entry| OWN_SECTIONS.contains(&entry.key.as_str())) {
         // Rows of a family keep their places.
         let place = match &entry.node.value {
-            Value::Array(rows) => rows.iter().map(|row| &row.place).find(|place| own(place)),
+            TomlValue::Array(rows) => rows.iter().map(|row| &row.place).find(|place| own(place)),
             _ => Some(&entry.place).filter(|place| own(place)),
         };
         let Some(place) = place else { continue };
@@ -351,7 +365,7 @@ pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
 }
 
 /// Reports keys of tool words in the file of a composite, which have no effect.
-pub(super) fn check_tool_words(composite: &Table, file: &str, check: &Check) {
+pub(super) fn check_tool_words(composite: &TomlTable, file: &str, check: &FindingCollector) {
     for entry in tool_words(composite).iter().filter(|entry| &*entry.place.file == file) {
         check.warning(
             &entry.place,
@@ -365,9 +379,9 @@ pub(super) fn check_tool_words(composite: &Table, file: &str, check: &Check) {
 }
 
 /// Reports macros of a composite that never run.
-pub(super) fn check_macros(composite: &Table, check: &Check) {
-    let Some(Value::Table(macros)) = composite.get("macros").map(|node| &node.value) else { return };
-    let never = |entry: &&Entry| {
+pub(super) fn check_macros(composite: &TomlTable, check: &FindingCollector) {
+    let Some(TomlValue::Table(macros)) = composite.get("macros").map(|node| &node.value) else { return };
+    let never = |entry: &&TomlEntry| {
         !OWN_MACROS.contains(&entry.key.as_str()) && !matches!(&*entry.key, "strong" | "warn_unassigned" | "functions")
     };
     for entry in macros.entries.iter().filter(never) {
@@ -379,9 +393,9 @@ pub(super) fn check_macros(composite: &Table, check: &Check) {
 }
 
 /// Reports a component that cannot work beside the others.
-pub(super) fn check_fit(component: &Machine, composite: &Machine, row: &Row, check: &Check) {
+pub(super) fn check_fit(component: &Machine, composite: &Machine, row: &ComponentRow, check: &FindingCollector) {
     if component.unit != composite.unit {
-        let word = |unit| if unit == counterpoint_event::Unit::Inch { "inch" } else { "mm" };
+        let word = |unit| if unit == counterpoint_event::MachineUnit::Inch { "inch" } else { "mm" };
         let text = format!(
             "the unit of a component must be that of the composite, whose axes and offsets it has: {} has {}, not {}; \
              a component whose programs are in the other unit begins with CODE_UNITS_SECONDARY",

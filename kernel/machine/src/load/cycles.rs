@@ -2,19 +2,19 @@
 //!
 //! Invariant: distances are zero or more. Facts: reference control-emulator.md 1.5, 6.4.
 
-use crate::model::{Approach, Cycles, Heights};
-use crate::toml::section::Section;
-use counterpoint_event::Unit;
+use crate::model::{CycleApproach, CycleRules, DistanceMode};
+use crate::toml::section::TableReader;
+use counterpoint_event::MachineUnit;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
-    let mut cycles = Cycles {
-        approach: Approach::Direct,
-        clearance: Heights::Mode,
+pub(super) fn read(top: &mut TableReader<'_>, unit: MachineUnit) -> CycleRules {
+    let mut cycles = CycleRules {
+        approach: CycleApproach::Direct,
+        clearance: DistanceMode::Mode,
         clearance_required: true,
-        depth: Heights::Mode,
+        depth: DistanceMode::Mode,
         step_required: true,
-        step_back: if unit == Unit::Inch { 0.04 } else { 1.0 },
+        step_back: if unit == MachineUnit::Inch { 0.04 } else { 1.0 },
         min_step: 0.0,
         cancel_required: false,
         motion_cancels: false,
@@ -22,9 +22,13 @@ pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
         last_of_block: false,
     };
     let Some(mut section) = top.table("cycles", "[cycles]") else { return cycles };
-    let approaches = [("direct", Approach::Direct), ("position-first", Approach::PositionFirst)];
+    let approaches = [("direct", CycleApproach::Direct), ("position-first", CycleApproach::PositionFirst)];
     cycles.approach = section.choice("approach", &approaches).unwrap_or(cycles.approach);
-    let heights = [("mode", Heights::Mode), ("absolute", Heights::Absolute), ("incremental", Heights::Incremental)];
+    let heights = [
+        ("mode", DistanceMode::Mode),
+        ("absolute", DistanceMode::Absolute),
+        ("incremental", DistanceMode::Incremental),
+    ];
     cycles.clearance = section.choice("clearance", &heights).unwrap_or(cycles.clearance);
     cycles.depth = section.choice("depth", &heights).unwrap_or(cycles.depth);
     let needed = [("required", true), ("optional", false)];

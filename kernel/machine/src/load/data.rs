@@ -3,17 +3,17 @@
 //! Invariant: an identifier and a register meet in one row only. Facts: reference control-emulator.md 1.3.
 
 use super::digits;
-use super::names::Names;
+use super::names::NameRegistry;
 use crate::ident::dimension::Dimension;
 use crate::rows::DataRow;
-use crate::toml::section::Section;
-use counterpoint_event::Unit;
+use crate::toml::section::TableReader;
+use counterpoint_event::MachineUnit;
 
 /// Most rows of the data table.
 const MOST: usize = 4000;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Vec<DataRow> {
+pub(super) fn read(top: &mut TableReader<'_>, names: &mut NameRegistry<'_>, unit: MachineUnit) -> Vec<DataRow> {
     top.require("data", "the words that supply values");
     let mut rows: Vec<DataRow> = Vec::new();
     for mut section in top.rows("data", "[[data]]", MOST) {
@@ -37,7 +37,7 @@ pub(super) fn as_written(rows: &mut [DataRow]) {
     }
 }
 
-fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Option<DataRow> {
+fn read_row(section: &mut TableReader<'_>, names: &mut NameRegistry<'_>, unit: MachineUnit) -> Option<DataRow> {
     let id = names.data_of_row(section);
     let register = section.text("register").map(|name| names.register(name, section.place_of("register")));
     let enable = section.flag("enable").unwrap_or(true);
@@ -62,7 +62,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
     let add = section.number("add").unwrap_or(0.0);
     let dimension = dimension(section);
     if dimension == Some(Dimension::Increments) {
-        mul *= if unit == Unit::Inch { 0.0001 } else { 0.001 };
+        mul *= if unit == MachineUnit::Inch { 0.0001 } else { 0.001 };
     }
     let increment = section.numbers("increment", 2..=2).and_then(|units| <[f64; 2]>::try_from(units).ok());
     if increment.is_some_and(|units| units.iter().any(|unit| *unit <= 0.0)) {
@@ -90,7 +90,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
     })
 }
 
-fn dimension(section: &mut Section<'_>) -> Option<Dimension> {
+fn dimension(section: &mut TableReader<'_>) -> Option<Dimension> {
     let words = [
         ("none", Dimension::None),
         ("length", Dimension::Length),

@@ -9,14 +9,14 @@ use super::row_name::row_name;
 use super::{questionnaire, waits};
 use crate::finding::Finding;
 use crate::model::Machine;
-use crate::toml::check::Check;
+use crate::toml::check::FindingCollector;
 use crate::toml::merge::merge;
-use crate::toml::node::{Entry, Node, Place, Table, Value};
-use counterpoint_ports::files::Files;
+use crate::toml::node::{DefinitionPlace, Node, TomlEntry, TomlTable, TomlValue};
+use counterpoint_ports::files::JobFiles;
 
 /// A definition.
 #[derive(Debug, Clone, Default)]
-pub struct Definition {
+pub struct WrittenDefinition {
     /// The machine, its family, the family's family.
     pub chain: Vec<String>,
     /// All rows in the order of the files.
@@ -33,7 +33,7 @@ pub struct DefinedComponent {
     /// The folder that its row names.
     pub machine: String,
     /// Its definition, with the additions in the row.
-    pub definition: Definition,
+    pub definition: WrittenDefinition,
 }
 
 /// A row of a section, or a section without rows.
@@ -61,39 +61,39 @@ pub struct DefinitionKey {
 }
 
 /// The definition in a folder, or the findings that keep it from being read.
-pub fn definition(files: &dyn Files, folder: &str) -> Result<Definition, Vec<Finding>> {
+pub fn definition(files: &dyn JobFiles, folder: &str) -> Result<WrittenDefinition, Vec<Finding>> {
     let mut merged = merged(files, folder)?;
-    let check = Check::default();
+    let check = FindingCollector::default();
     questionnaire::expand(&mut merged.table, &check);
-    let mut definition = Definition { chain: merged.chain.clone(), ..Definition::default() };
+    let mut definition = WrittenDefinition { chain: merged.chain.clone(), ..WrittenDefinition::default() };
     definition.add("", &merged.table, &merged.start);
     definition.components = components(files, &merged)?;
     Ok(definition)
 }
 
 /// The components of a composite machine.
-fn components(files: &dyn Files, composite: &Merged) -> Result<Vec<DefinedComponent>, Vec<Finding>> {
-    let Some(Value::Array(rows)) = composite.table.get("components").map(|node| &node.value) else {
+fn components(files: &dyn JobFiles, composite: &Merged) -> Result<Vec<DefinedComponent>, Vec<Finding>> {
+    let Some(TomlValue::Array(rows)) = composite.table.get("components").map(|node| &node.value) else {
         return Ok(Vec::new());
     };
     let mut made = Vec::new();
     for row in rows {
-        let Value::Table(row) = &row.value else { continue };
+        let TomlValue::Table(row) = &row.value else { continue };
         let (Some(designator), Some(machine)) = (row.text("designator"), row.text("machine")) else { continue };
-        let check = Check::default();
+        let check = FindingCollector::default();
         let merged = chain::read(files, machine, &composite.chain, &check);
         let findings = check.into_findings();
         let Some(merged) = merged.filter(|_| findings.iter().all(|finding| !finding.error)) else {
             return Err(findings);
         };
         let mut table = merged.table;
-        if let Some(Value::Table(add)) = row.get("add").map(|node| &node.value) {
+        if let Some(TomlValue::Table(add)) = row.get("add").map(|node| &node.value) {
             table = merge(table, add.clone(), row_name);
         }
         super::components::COMMON.iter().for_each(|key| table.remove(key));
-        let check = Check::default();
+        let check = FindingCollector::default();
         questionnaire::expand(&mut table, &check);
-        let mut definition = Definition { chain: merged.chain, ..Definition::default() };
+        let mut definition = WrittenDefinition { chain: merged.chain, ..WrittenDefinition::default() };
         definition.add("", &table, &merged.start);
         let designator = designator.to_ascii_uppercase();
         made.push(DefinedComponent { designator, machine: machine.to_owned(), definition });
@@ -103,22 +103,22 @@ fn components(files: &dyn Files, composite: &Merged) -> Result<Vec<DefinedCompon
 
 /// The machine without a key of a section without rows; its behaviour is then the default.
 #[must_use]
-pub fn without_key(files: &dyn Files, folder: &str, section: &str, key: &str) -> Option<Machine> {
+pub fn without_key(files: &dyn JobFiles, folder: &str, section: &str, key: &str) -> Option<Machine> {
     let mut merged = merged(files, folder).ok()?;
     let mut table = &mut merged.table;
     for part in section.split('.').filter(|part| !part.is_empty()) {
         table = table.table_mut(part)?;
     }
     table.remove(key);
-    let check = Check::default();
+    let check = FindingCollector::default();
     questionnaire::expand(&mut merged.table, &check);
     waits::expand(&mut merged.table);
     let (machine, _) = build::machine(&merged, files, None, &check);
     check.into_findings().iter().all(|finding| !finding.error).then_some(machine)
 }
 
-fn merged(files: &dyn Files, folder: &str) -> Result<Merged, Vec<Finding>> {
-    let check = Check::default();
+fn merged(files: &dyn JobFiles, folder: &str) -> Result<Merged, Vec<Finding>> {
+    let check = FindingCollector::default();
     let merged = chain::read(files, folder, &[], &check);
     let findings = check.into_findings();
     match merged {
@@ -127,15 +127,15 @@ fn merged(files: &dyn Files, folder: &str) -> Result<Merged, Vec<Finding>> {
     }
 }
 
-impl Definition {
+impl WrittenDefinition {
     /// Adds a section with everything below it.
-    fn add(&mut self, section: &str, table: &Table, place: &Place) {
+    fn add(&mut self, section: &str, table: &TomlTable, place: &DefinitionPlace) {
         let mut plain = Vec::new();
-        for Entry { key, node, place } in &table.entries {
+        for TomlEntry { key, node, place } in &table.entries {
             let inside = if section.is_empty() { key.clone() } else { format!("{section}.{key}") };
             match &node.value {
-                Value::Table(table) => self.add(&inside, table, place),
-                Value::Array(items) if items.iter().any(|item| matches!(item.value, Value::Table(_))) => {
+                TomlValue::Table(table) => self.add(&inside, table, place),
+                TomlValue::Array(items) if items.iter().any(|item| matches!(item.value, TomlValue::Table(_))) => {
                     self.add_rows(&inside, items);
                 }
                 _ => plain.push(self::key(key, node, place)),
@@ -149,7 +149,7 @@ impl Definition {
 
     fn add_rows(&mut self, section: &str, items: &[Node]) {
         for item in items {
-            let Value::Table(row) = &item.value else { continue };
+            let TomlValue::Table(row) = &item.value else { continue };
             let name = row_name(section, row).unwrap_or_default().trim().to_owned();
             let mut keys = Vec::new();
             add_keys("", row, &mut keys);
@@ -159,34 +159,34 @@ impl Definition {
 }
 
 /// The keys of a row, those of its tables with dots.
-fn add_keys(before: &str, table: &Table, keys: &mut Vec<DefinitionKey>) {
-    for Entry { key, node, place } in &table.entries {
+fn add_keys(before: &str, table: &TomlTable, keys: &mut Vec<DefinitionKey>) {
+    for TomlEntry { key, node, place } in &table.entries {
         let inside = format!("{before}{key}");
         match &node.value {
-            Value::Table(table) => add_keys(&format!("{inside}."), table, keys),
+            TomlValue::Table(table) => add_keys(&format!("{inside}."), table, keys),
             _ => keys.push(self::key(&inside, node, place)),
         }
     }
 }
 
-fn key(key: &str, node: &Node, place: &Place) -> DefinitionKey {
+fn key(key: &str, node: &Node, place: &DefinitionPlace) -> DefinitionKey {
     DefinitionKey { key: key.to_owned(), value: written(node), place: at(place) }
 }
 
-fn at(place: &Place) -> String {
+fn at(place: &DefinitionPlace) -> String {
     format!("{}:{}", place.file, place.line)
 }
 
 /// A value as a machine file has it.
 fn written(node: &Node) -> String {
     match &node.value {
-        Value::Text(text) => format!("\"{}\"", text.escape_debug()),
-        Value::Integer(number) => number.to_string(),
-        Value::Float(number) => number.to_string(),
-        Value::Flag(flag) => flag.to_string(),
-        Value::Date => "a date".to_owned(),
-        Value::Array(items) => format!("[{}]", items.iter().map(written).collect::<Vec<_>>().join(", ")),
-        Value::Table(table) => {
+        TomlValue::Text(text) => format!("\"{}\"", text.escape_debug()),
+        TomlValue::Integer(number) => number.to_string(),
+        TomlValue::Float(number) => number.to_string(),
+        TomlValue::Flag(flag) => flag.to_string(),
+        TomlValue::Date => "a date".to_owned(),
+        TomlValue::Array(items) => format!("[{}]", items.iter().map(written).collect::<Vec<_>>().join(", ")),
+        TomlValue::Table(table) => {
             let keys = table.entries.iter().map(|entry| format!("{} = {}", entry.key, written(&entry.node)));
             format!("{{ {} }}", keys.collect::<Vec<_>>().join(", "))
         }
@@ -197,10 +197,10 @@ fn written(node: &Node) -> String {
 mod tests {
     use super::*;
     use crate::package::Overlay;
-    use counterpoint_ports::files::Memory;
+    use counterpoint_ports::files::MemoryFiles;
 
-    fn own(text: &str) -> Overlay<Memory, Memory> {
-        let mut files = Memory::default();
+    fn own(text: &str) -> Overlay<MemoryFiles, MemoryFiles> {
+        let mut files = MemoryFiles::default();
         files.insert("own/machine.toml", text);
         Overlay::over_shipped(files)
     }

@@ -4,10 +4,10 @@
 //! channel would stop without a message. Facts: reference control-emulator.md 7.5.
 
 use crate::model::{DiagnosticRule, Diagnostics};
-use crate::toml::node::Place;
-use crate::toml::section::Section;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
 use counterpoint_fault as diag;
-use counterpoint_ports::files::Files;
+use counterpoint_ports::files::JobFiles;
 
 /// Most rules.
 const MOST: usize = 2000;
@@ -16,7 +16,7 @@ const MOST: usize = 2000;
 const LARGEST: i64 = 99_999_999;
 
 /// Reads the rules; rows go over the file.
-pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Diagnostics {
+pub(super) fn read(top: &mut TableReader<'_>, files: &dyn JobFiles) -> Diagnostics {
     let mut rules = Vec::new();
     read_file(top, files, &mut rules);
     let from_file = rules.len();
@@ -62,7 +62,7 @@ fn wrong(rule: &DiagnosticRule) -> Option<String> {
 
 /// The error file: `\ number severity text`. A minus before the number switches it off, `!` starts a comment line. A
 /// definition continues in the next lines; a backslash at the end of a line joins them without a blank.
-fn read_file(top: &mut Section<'_>, files: &dyn Files, rules: &mut Vec<DiagnosticRule>) {
+fn read_file(top: &mut TableReader<'_>, files: &dyn JobFiles, rules: &mut Vec<DiagnosticRule>) {
     let Some(name) = top.name("diagnostics_file", 64) else { return };
     let owner = top.place_of("diagnostics_file").file.clone();
     let folder = owner.rsplit_once('/').map_or("", |(folder, _)| folder);
@@ -74,7 +74,7 @@ fn read_file(top: &mut Section<'_>, files: &dyn Files, rules: &mut Vec<Diagnosti
     };
     let text = String::from_utf8_lossy(&content).into_owned();
     for (line, definition) in definitions(&text) {
-        let place = Place { file: path.as_str().into(), line, column: 1 };
+        let place = DefinitionPlace { file: path.as_str().into(), line, column: 1 };
         match parse(&definition) {
             Some(rule) => {
                 if let Some(text) = wrong(&rule) {

@@ -5,27 +5,27 @@
 
 use crate::macros::model::Macros;
 use crate::macros::system;
-use crate::toml::check::Check;
-use crate::toml::node::{self, Node, Place};
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{self, DefinitionPlace, Node};
 use crate::toml::parse::parse;
-use crate::toml::section::Section;
-use counterpoint_ports::dialog::answers::Value;
-use counterpoint_ports::dialog::{Button, ButtonKind, Dialog, Field, FieldKind, same_name};
-use counterpoint_ports::files::Files;
+use crate::toml::section::TableReader;
+use counterpoint_ports::dialog::answers::DialogValue;
+use counterpoint_ports::dialog::{Button, ButtonKind, Dialog, DialogField, FieldKind, same_name};
+use counterpoint_ports::files::JobFiles;
 
 /// Most dialogs of a machine, and most fields and buttons of one.
 const MOST: usize = 200;
 
 /// A variable that a dialog names: its name, where, and whether it only decides about a field.
-type Named = (String, Place, bool);
+type Named = (String, DefinitionPlace, bool);
 
 /// Reads the dialogs in file order; `shown` are those that macros show by name.
 pub(super) fn read(
-    top: &mut Section<'_>,
-    files: &dyn Files,
+    top: &mut TableReader<'_>,
+    files: &dyn JobFiles,
     macros: Option<&Macros>,
-    shown: &[(String, Place)],
-    check: &Check,
+    shown: &[(String, DefinitionPlace)],
+    check: &FindingCollector,
 ) -> Vec<Dialog> {
     let mut dialogs: Vec<Dialog> = Vec::new();
     for mut row in top.rows("dialogs", "[[dialogs]]", MOST) {
@@ -39,9 +39,9 @@ pub(super) fn read(
                 row.finish();
                 match content {
                     Ok(content) if !name.contains("..") => {
-                        let place = Place { file: path.as_str().into(), line: 0, column: 0 };
+                        let place = DefinitionPlace { file: path.as_str().into(), line: 0, column: 0 };
                         let table = parse(&place.file, &content, check);
-                        read_dialog(Section::new(&table, place, "a dialog file", check), macros, check)
+                        read_dialog(TableReader::new(&table, place, "a dialog file", check), macros, check)
                     }
                     _ => {
                         check.error(&at, format!("the file {path} does not exist"));
@@ -77,7 +77,7 @@ pub(super) fn read(
 }
 
 /// Variables of a dialog that do not exist: text entered there would be lost.
-fn check_variables(dialog: &[Field], named: &[Named], macros: Option<&Macros>, check: &Check) {
+fn check_variables(dialog: &[DialogField], named: &[Named], macros: Option<&Macros>, check: &FindingCollector) {
     let Some(macros) = macros else { return };
     for (variable, place, decides) in named {
         let name = variable.trim().to_ascii_uppercase();
@@ -104,7 +104,7 @@ fn check_variables(dialog: &[Field], named: &[Named], macros: Option<&Macros>, c
 }
 
 /// Fields that take a value of the same variable at the same time: only the last one would count.
-fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
+fn check_twins(fields: &[DialogField], named: &[Named], check: &FindingCollector) {
     for (index, field) in fields.iter().enumerate().filter(|(_, field)| !field.variable.is_empty()) {
         let name = &field.variable;
         if field.enabled.as_ref().is_some_and(|(variable, _)| variable.eq_ignore_ascii_case(name)) {
@@ -116,7 +116,7 @@ fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
                 );
             }
         }
-        let twin = |other: &&Field| other.variable.eq_ignore_ascii_case(name) && other.enabled == field.enabled;
+        let twin = |other: &&DialogField| other.variable.eq_ignore_ascii_case(name) && other.enabled == field.enabled;
         if fields.iter().take(index).any(|other| twin(&other)) {
             let mut places =
                 named.iter().filter(|(variable, _, decides)| !decides && variable.eq_ignore_ascii_case(name));
@@ -150,7 +150,7 @@ enum ButtonWord {
 }
 
 /// Reports keys that a field of its kind ignores.
-fn check_keys(row: &Section<'_>, kind: FieldWord, given: &[&'static str]) {
+fn check_keys(row: &TableReader<'_>, kind: FieldWord, given: &[&'static str]) {
     for key in given {
         let (used, wanted) = match *key {
             "min" | "max" | "whole" => (kind == FieldWord::Number, "\"number\""),
@@ -164,13 +164,18 @@ fn check_keys(row: &Section<'_>, kind: FieldWord, given: &[&'static str]) {
     }
 }
 
-fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> Option<(Dialog, Place)> {
+fn read_dialog(
+    mut row: TableReader<'_>,
+    macros: Option<&Macros>,
+    check: &FindingCollector,
+) -> Option<(Dialog, DefinitionPlace)> {
     row.require("name", "the name of the dialog");
     let name = row.name("name", 64).map(str::to_owned);
     let title = row.text("title").map(str::to_owned);
     let mut named = Vec::new();
     let fields = row.rows("fields", "a field", MOST);
-    let fields: Vec<Field> = fields.into_iter().filter_map(|field| read_field(field, &mut named, check)).collect();
+    let fields: Vec<DialogField> =
+        fields.into_iter().filter_map(|field| read_field(field, &mut named, check)).collect();
     check_variables(&fields, &named, macros, check);
     check_twins(&fields, &named, check);
     let mut buttons: Vec<Button> = row.rows("buttons", "a button", MOST).into_iter().filter_map(read_button).collect();
@@ -191,7 +196,7 @@ fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> 
     Some((Dialog { title: title.unwrap_or_else(|| name.clone()), name, fields, buttons }, place))
 }
 
-fn read_button(mut row: Section<'_>) -> Option<Button> {
+fn read_button(mut row: TableReader<'_>) -> Option<Button> {
     row.require("label", "the text on the button");
     let label = row.name("label", 64).map(str::to_owned);
     let words = [
@@ -215,7 +220,7 @@ fn read_button(mut row: Section<'_>) -> Option<Button> {
     Some(Button { label: label?, kind })
 }
 
-fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Option<Field> {
+fn read_field(mut row: TableReader<'_>, named: &mut Vec<Named>, check: &FindingCollector) -> Option<DialogField> {
     let words = [
         ("label", FieldWord::Label),
         ("text", FieldWord::Text),
@@ -266,7 +271,7 @@ fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Op
     for (key, decides) in [("when", &when), ("unless", &unless)] {
         named.extend(decides.iter().map(|(variable, _)| (variable.clone(), row.place_of(key).clone(), true)));
     }
-    let mut field = Field { label, variable, kind, default: None, required, enabled: when.or(unless) };
+    let mut field = DialogField { label, variable, kind, default: None, required, enabled: when.or(unless) };
     match field.accept(default.clone()) {
         Ok(accepted) => field.default = accepted,
         Err(why) if default.is_some() => row.error("default", why),
@@ -277,17 +282,17 @@ fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Op
 }
 
 /// Labels, or labels with values of their own: `["soft", { label = "hard", value = 2 }]`.
-fn choices(row: &mut Section<'_>, check: &Check) -> Vec<(String, Value)> {
+fn choices(row: &mut TableReader<'_>, check: &FindingCollector) -> Vec<(String, DialogValue)> {
     let mut out = Vec::new();
     for item in row.list("choices").unwrap_or_default() {
         match &item.value {
-            node::Value::Table(table) => {
-                let mut choice = Section::new(table, item.place.clone(), "a choice", check);
+            node::TomlValue::Table(table) => {
+                let mut choice = TableReader::new(table, item.place.clone(), "a choice", check);
                 choice.require("label", "the text of the choice");
                 let label = choice.text("label").unwrap_or_default().to_owned();
                 let value = choice.node("value").and_then(|node| value(node, check));
                 choice.finish();
-                out.push((label.clone(), value.unwrap_or(Value::Text(label))));
+                out.push((label.clone(), value.unwrap_or(DialogValue::Text(label))));
             }
             _ => out.extend(value(item, check).map(|value| (value.to_string(), value))),
         }
@@ -297,9 +302,9 @@ fn choices(row: &mut Section<'_>, check: &Check) -> Vec<(String, Value)> {
 }
 
 /// The last choice differs from those before it.
-fn check_choice(choices: &[(String, Value)], item: &Node, check: &Check) {
+fn check_choice(choices: &[(String, DialogValue)], item: &Node, check: &FindingCollector) {
     let Some(((label, value), before)) = choices.split_last() else { return };
-    let by_label = |text: &str, value: &Value| matches!(value, Value::Text(other) if other == text);
+    let by_label = |text: &str, value: &DialogValue| matches!(value, DialogValue::Text(other) if other == text);
     if before.iter().any(|(other, _)| other == label) {
         check.error(&item.place, format!("another choice of this field has the label \"{label}\""));
     } else if let Some((other, _)) = before.iter().find(|(_, known)| known == value) {
@@ -315,12 +320,12 @@ fn check_choice(choices: &[(String, Value)], item: &Node, check: &Check) {
     }
 }
 
-fn value(node: &Node, check: &Check) -> Option<Value> {
+fn value(node: &Node, check: &FindingCollector) -> Option<DialogValue> {
     match &node.value {
-        node::Value::Text(text) => Some(Value::Text(text.clone())),
-        node::Value::Integer(number) => Some(Value::Number(*number as f64)),
-        node::Value::Float(number) if number.is_finite() => Some(Value::Number(*number)),
-        node::Value::Flag(flag) => Some(Value::Flag(*flag)),
+        node::TomlValue::Text(text) => Some(DialogValue::Text(text.clone())),
+        node::TomlValue::Integer(number) => Some(DialogValue::Number(*number as f64)),
+        node::TomlValue::Float(number) if number.is_finite() => Some(DialogValue::Number(*number)),
+        node::TomlValue::Flag(flag) => Some(DialogValue::Flag(*flag)),
         other => {
             check.error(&node.place, format!("expected a text, a number, true or false, not {}", other.kind()));
             None

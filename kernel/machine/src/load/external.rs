@@ -4,8 +4,8 @@
 
 use crate::model::{External, ExternalKind, Externals};
 use crate::preprocessor::Preprocessor;
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Most rows.
 const MOST: usize = 1000;
@@ -17,7 +17,7 @@ const ELEMENTS: i64 = 10_000;
 const LONGEST: usize = 64;
 
 /// Reads the rows.
-pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor, check: &Check) -> Externals {
+pub(super) fn read(top: &mut TableReader<'_>, preprocessor: Preprocessor, check: &FindingCollector) -> Externals {
     let mut externals = Externals::default();
     for mut section in top.rows("external", "[[external]]", MOST) {
         if !preprocessor.row().external_variables {
@@ -38,7 +38,7 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor, check: &Ch
 }
 
 /// Names with points are members of structures.
-fn name(section: &mut Section<'_>) -> Option<String> {
+fn name(section: &mut TableReader<'_>) -> Option<String> {
     let name = section.name("name", LONGEST)?.to_ascii_uppercase();
     let is_part = |part: &str| {
         part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -51,7 +51,7 @@ fn name(section: &mut Section<'_>) -> Option<String> {
     None
 }
 
-fn row(section: &mut Section<'_>, name: String) -> External {
+fn row(section: &mut TableReader<'_>, name: String) -> External {
     let own = section.choice("scope", &[("global", false), ("channel", true)]).unwrap_or(false);
     let synchronous = section.flag("synchronous").unwrap_or(true);
     let accesses = [("read-write", (true, true)), ("read", (true, false)), ("write", (false, true))];

@@ -2,14 +2,18 @@
 //!
 //! Invariant: a delimiter that is there is not empty. Facts: reference control-emulator.md 5.5, 5.6.
 
-use crate::model::{Format, RewindStop};
+use crate::model::{ProgramTextFormat, RewindStop};
 use crate::preprocessor::Preprocessor;
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Reads the section; a machine without it has plain text without comments.
-pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preprocessor) -> Format {
-    let mut format = Format {
+pub(super) fn read(
+    top: &mut TableReader<'_>,
+    check: &FindingCollector,
+    preprocessor: Preprocessor,
+) -> ProgramTextFormat {
+    let mut format = ProgramTextFormat {
         rws: String::new(),
         rws_inline: false,
         long_comments: false,
@@ -65,7 +69,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
 }
 
 /// Characters that end blocks or mark optional skip, and are read as something else.
-fn clashes(section: &Section<'_>, format: &Format, check: &Check) {
+fn clashes(section: &TableReader<'_>, format: &ProgramTextFormat, check: &FindingCollector) {
     let of_words = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '+' | '-');
     let starts = [("comment", &format.comment), ("message", &format.message)];
     let starts = |c: char| starts.iter().find(|(_, text)| text.as_ref().is_some_and(|(start, _)| start.starts_with(c)));
@@ -94,7 +98,7 @@ fn clashes(section: &Section<'_>, format: &Format, check: &Check) {
     }
 }
 
-fn delimiters(section: &mut Section<'_>, key: &'static str) -> Option<(String, String)> {
+fn delimiters(section: &mut TableReader<'_>, key: &'static str) -> Option<(String, String)> {
     let texts = section.texts(key)?;
     match texts.as_slice() {
         [] => None,

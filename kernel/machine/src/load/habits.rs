@@ -3,22 +3,22 @@
 //! Invariant: answers of the machine's own are as many as their variables have room for. Facts: reference
 //! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
 
-use super::registers::Coordinates;
+use super::registers::CoordinateSettings;
 use crate::habits::{FileLayout, Forbidden, Habits, Home, Rotations};
 use crate::preprocessor::Preprocessor;
 use crate::rows::Excess;
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
 const ROOM: [usize; 3] = [10, 100, 50];
 
 /// Reads `[control]` of a control with this pre-processor, and its settings for numbers of coordinates.
-pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits, Coordinates) {
+pub(super) fn read(top: &mut TableReader<'_>, preprocessor: Preprocessor) -> (Habits, CoordinateSettings) {
     let mut habits = Habits { frame_increments: preprocessor.row().frame_increments, ..Habits::default() };
-    let Some(mut section) = top.table("control", "[control]") else { return (habits, Coordinates::default()) };
+    let Some(mut section) = top.table("control", "[control]") else { return (habits, CoordinateSettings::default()) };
     let numbers = [("as-written", false), ("increments", true)];
     let excess = [("kept", Excess::Kept), ("cut", Excess::Cut), ("rounded", Excess::Rounded)];
-    let coordinates = Coordinates {
+    let coordinates = CoordinateSettings {
         increments: section.choice("numbers", &numbers).unwrap_or(false),
         excess: section.choice("excess_digits", &excess).unwrap_or_default(),
         nine: section.integer("digits", 8..=9) == Some(9),
@@ -103,7 +103,7 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     (habits, coordinates)
 }
 
-fn read_answers(section: &mut Section<'_>, habits: &mut Habits) {
+fn read_answers(section: &mut TableReader<'_>, habits: &mut Habits) {
     let [texts, integers, numbers] = ROOM;
     let given = section.texts("texts").unwrap_or_default();
     if given.len() > texts {

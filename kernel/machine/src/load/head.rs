@@ -4,32 +4,32 @@
 
 use crate::model::MachineKind;
 use crate::preprocessor::Preprocessor;
-use crate::toml::section::Section;
-use counterpoint_event::Unit;
+use crate::toml::section::TableReader;
+use counterpoint_event::MachineUnit;
 
 /// The content of the two sections.
-pub(super) struct Head {
+pub(super) struct MachineIdentity {
     pub(super) name: String,
     pub(super) number: u32,
     pub(super) revision: u32,
     pub(super) created: String,
     pub(super) author: String,
     pub(super) description: String,
-    pub(super) unit: Unit,
+    pub(super) unit: MachineUnit,
     pub(super) preprocessor: Preprocessor,
     pub(super) kind: MachineKind,
 }
 
 /// Reads both.
-pub(super) fn read(top: &mut Section<'_>) -> Head {
-    let mut head = Head {
+pub(super) fn read(top: &mut TableReader<'_>) -> MachineIdentity {
+    let mut head = MachineIdentity {
         name: String::new(),
         number: 1,
         revision: 1,
         created: String::new(),
         author: String::new(),
         description: String::new(),
-        unit: Unit::Mm,
+        unit: MachineUnit::Mm,
         preprocessor: Preprocessor::NONE,
         kind: MachineKind::Mill,
     };
@@ -44,7 +44,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Head {
     head
 }
 
-fn read_ce(mut section: Section<'_>, head: &mut Head) {
+fn read_ce(mut section: TableReader<'_>, head: &mut MachineIdentity) {
     section.require("name", "1 to 32 characters");
     head.name = section.name("name", 32).unwrap_or_default().to_owned();
     head.number = section.integer("number", 1..=999_999).unwrap_or(1) as u32;
@@ -58,14 +58,15 @@ fn read_ce(mut section: Section<'_>, head: &mut Head) {
             section.error(key, format!("`{key}` must be one line of text"));
         }
     }
-    head.unit = section.choice("units", &[("mm", Unit::Mm), ("inch", Unit::Inch)]).unwrap_or(Unit::Mm);
+    head.unit =
+        section.choice("units", &[("mm", MachineUnit::Mm), ("inch", MachineUnit::Inch)]).unwrap_or(MachineUnit::Mm);
     let preprocessors: Vec<_> =
         Preprocessor::all().map(|preprocessor| (preprocessor.row().name, preprocessor)).collect();
     head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or_default();
     section.finish();
 }
 
-fn read_machine(mut section: Section<'_>, head: &mut Head) {
+fn read_machine(mut section: TableReader<'_>, head: &mut MachineIdentity) {
     section.require("type", "mill, lathe, merging-lathe or composite");
     let kinds = [
         ("mill", MachineKind::Mill),

@@ -8,16 +8,16 @@ use crate::ident::kind::CodeKind;
 use crate::macros::model::Hook;
 use crate::preprocessor::Preprocessor;
 use crate::rows::CodeRow;
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Warns about each of them at its key.
 pub(super) fn check(
-    top: &mut Section<'_>,
+    top: &mut TableReader<'_>,
     rows: &[CodeRow],
     preprocessor: Preprocessor,
     channels: usize,
-    check: &Check,
+    check: &FindingCollector,
 ) {
     let Some(mut section) = top.table("macros", "[macros]") else { return };
     for hook in Hook::ALL {

@@ -2,13 +2,13 @@
 //!
 //! Invariant: each is modal, and no two are of one group. Facts: reference control-emulator.md 3.1.
 
-use super::names::Names;
+use super::names::NameRegistry;
 use crate::ident::{self, CodeId};
 use crate::rows::CodeRow;
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Reads the list.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &[CodeRow]) -> Vec<CodeId> {
+pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, rows: &[CodeRow]) -> Vec<CodeId> {
     let mut initial: Vec<(CodeId, u16, &str)> = Vec::new();
     for (name, place) in top.texts("initial").unwrap_or_default() {
         let Some(id) = names.code(name, place) else { continue };

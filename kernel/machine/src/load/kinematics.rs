@@ -5,14 +5,14 @@
 use crate::ident::DataId;
 use crate::ident::kind::CodeKind;
 use crate::ident::kind::data::DataKind;
-use crate::index::{AxisId, Table};
-use crate::model::paths::{Kinematics, Missing, Tilting};
+use crate::index::{AxisId, IdTable};
+use crate::model::paths::{DirectionDefault, Kinematics, Tilting};
 use crate::model::{Axis, AxisRole, Channel};
 use crate::rows::CodeRow;
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 use counterpoint_motion::frame::kinematics::unit;
-use counterpoint_motion::frame::orient::{Turns, Way};
+use counterpoint_motion::frame::orient::{PairChoice, TurnChoice};
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -27,11 +27,11 @@ fn usual(data: Option<DataId>) -> [f64; 3] {
     }
 }
 
-fn three(section: &mut Section<'_>, key: &'static str) -> Option<[f64; 3]> {
+fn three(section: &mut TableReader<'_>, key: &'static str) -> Option<[f64; 3]> {
     section.numbers(key, 3..=3).and_then(|numbers| numbers.try_into().ok())
 }
 
-fn direction(section: &mut Section<'_>, key: &'static str) -> Option<[f64; 3]> {
+fn direction(section: &mut TableReader<'_>, key: &'static str) -> Option<[f64; 3]> {
     let given = three(section, key)?;
     if unit(given).is_none() {
         section.error(key, format!("`{key}` must be a direction, not [0, 0, 0]"));
@@ -41,7 +41,7 @@ fn direction(section: &mut Section<'_>, key: &'static str) -> Option<[f64; 3]> {
 }
 
 /// Direction and centre of an axis.
-pub(super) fn read_axis(row: &mut Section<'_>, data: Option<DataId>, role: AxisRole) -> ([f64; 3], [f64; 3]) {
+pub(super) fn read_axis(row: &mut TableReader<'_>, data: Option<DataId>, role: AxisRole) -> ([f64; 3], [f64; 3]) {
     let (vector, center) = (direction(row, "vector"), three(row, "center"));
     for (key, given) in [("vector", vector), ("center", center)] {
         if given.is_some() && !role.is_rotary() {
@@ -53,20 +53,22 @@ pub(super) fn read_axis(row: &mut Section<'_>, data: Option<DataId>, role: AxisR
 
 /// Reads `[kinematics]`, and checks that tool tip control is possible where a code can switch it on.
 pub(super) fn read(
-    top: &mut Section<'_>,
-    axes: &Table<AxisId, Axis>,
+    top: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
     channels: &[Channel],
     codes: &[CodeRow],
-    check: &Check,
+    check: &FindingCollector,
 ) -> Kinematics {
     let mut tool = Z;
-    let mut missing = Missing::Keep;
+    let mut missing = DirectionDefault::Keep;
     let mut tilting = Tilting::default();
     let mut asked = false;
     let place = top.place_of("channels").clone();
     if let Some(mut section) = top.table("kinematics", "[kinematics]") {
         let given = direction(&mut section, "tool");
-        missing = section.choice("missing", &[("keep", Missing::Keep), ("zero", Missing::Zero)]).unwrap_or(missing);
+        missing = section
+            .choice("missing", &[("keep", DirectionDefault::Keep), ("zero", DirectionDefault::Zero)])
+            .unwrap_or(missing);
         if let Some(mut section) = section.table("tilt", "[kinematics.tilt]") {
             tilting = read_tilting(&mut section);
             section.finish();
@@ -111,11 +113,15 @@ pub(super) fn read(
     Kinematics { tool, missing, tilting }
 }
 
-fn read_tilting(section: &mut Section<'_>) -> Tilting {
+fn read_tilting(section: &mut TableReader<'_>) -> Tilting {
     let usual = Tilting::default();
     let (turns, ways) = (
-        [("nearest", Turns::Nearest), ("half", Turns::Half)],
-        [("least", Way::Least), ("least-positive", Way::LeastLarger), ("axis-by-axis", Way::AxisByAxis)],
+        [("nearest", TurnChoice::Nearest), ("half", TurnChoice::Half)],
+        [
+            ("least", PairChoice::Least),
+            ("least-positive", PairChoice::LeastLarger),
+            ("axis-by-axis", PairChoice::AxisByAxis),
+        ],
     );
     Tilting {
         assumed: section.choice("counts", &[("turned", false), ("defined", true)]).unwrap_or(usual.assumed),

@@ -3,13 +3,13 @@
 //! Invariant: a finding follows from the text alone; a use that depends on a value is left to the run. Facts: reference
 //! control-emulator.md 4, macro-language.md 7.
 
-use counterpoint_lang::ast::{Expr, ExprKind, Macro, StatementKind, Variable, When};
+use counterpoint_lang::ast::{Expr, ExprKind, ParsedMacro, StatementKind, VariableName, WhenItem};
 use counterpoint_lang::parse::parse;
-use counterpoint_lang::source::{Source, Span};
+use counterpoint_lang::source::{MacroSource, Span};
 
 use crate::macros::model::Hook;
-use crate::toml::check::Check;
-use crate::toml::node::Place;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::DefinitionPlace;
 
 /// The inputs that a place gives to its macro.
 #[derive(Debug, Clone, Copy)]
@@ -67,10 +67,15 @@ impl Available {
 }
 
 /// Looks through a file that compiles; the dialogs that it shows by name are added to `dialogs`.
-pub(super) fn check(source: &Source, given: Available, check: &Check, dialogs: &mut Vec<(String, Place)>) {
+pub(super) fn check(
+    source: &MacroSource,
+    given: Available,
+    check: &FindingCollector,
+    dialogs: &mut Vec<(String, DefinitionPlace)>,
+) {
     let (macros, _) = parse(source);
     for found in &macros {
-        let mut uses = Uses { source, given, check, dialogs, set: 0, reported: 0, read: Some(0) };
+        let mut uses = MacroUseChecker { source, given, check, dialogs, set: 0, reported: 0, read: Some(0) };
         found.statements.iter().for_each(|statement| uses.statement(&statement.kind));
         let read = uses.read.take().unwrap_or(0);
         // An argument that the macro itself reads after it has set it is a variable like any other.
@@ -84,7 +89,7 @@ pub(super) fn check(source: &Source, given: Available, check: &Check, dialogs: &
 }
 
 /// Arguments that a macro assigns, bit by number: one that its place does not have is then a variable like any other.
-fn assigned(found: &Macro) -> u128 {
+fn assigned(found: &ParsedMacro) -> u128 {
     let mut set = 0;
     for statement in &found.statements {
         let targets = match &statement.kind {
@@ -101,28 +106,28 @@ fn assigned(found: &Macro) -> u128 {
 /// The argument that an expression is, or an element of.
 fn argument(expression: &Expr) -> Option<u8> {
     match &expression.kind {
-        ExprKind::Variable(Variable::Param(number))
-        | ExprKind::Element(Variable::Param(number), _)
-        | ExprKind::Range(Variable::Param(number), ..) => Some(*number),
+        ExprKind::Variable(VariableName::Param(number))
+        | ExprKind::Element(VariableName::Param(number), _)
+        | ExprKind::Range(VariableName::Param(number), ..) => Some(*number),
         _ => None,
     }
 }
 
-struct Uses<'a> {
-    source: &'a Source,
+struct MacroUseChecker<'a> {
+    source: &'a MacroSource,
     given: Available,
-    check: &'a Check,
-    dialogs: &'a mut Vec<(String, Place)>,
+    check: &'a FindingCollector,
+    dialogs: &'a mut Vec<(String, DefinitionPlace)>,
     set: u128,
     reported: u128,
     /// Arguments that are read, while they are collected and nothing is reported.
     read: Option<u128>,
 }
 
-impl Uses<'_> {
-    fn place(&self, span: Span) -> Place {
+impl MacroUseChecker<'_> {
+    fn place(&self, span: Span) -> DefinitionPlace {
         let (line, column) = self.source.place(span.start);
-        Place { file: self.source.name.as_str().into(), line, column }
+        DefinitionPlace { file: self.source.name.as_str().into(), line, column }
     }
 
     /// Reports a statement that does nothing at its place.
@@ -177,8 +182,8 @@ impl Uses<'_> {
             StatementKind::When(list) => {
                 for one in list {
                     match one {
-                        When::One(value) => self.expression(value),
-                        When::Thru(from, to) => [from, to].into_iter().for_each(|value| self.expression(value)),
+                        WhenItem::One(value) => self.expression(value),
+                        WhenItem::Thru(from, to) => [from, to].into_iter().for_each(|value| self.expression(value)),
                     }
                 }
             }

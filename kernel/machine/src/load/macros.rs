@@ -6,47 +6,61 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::compile::{self, Options, Place as Kind, Program, Strong};
-use counterpoint_lang::source::Source;
+use counterpoint_lang::compile::{self, CompileOptions, DeclarationStrictness, MacroProgram, MacroRole as Kind};
+use counterpoint_lang::source::MacroSource;
 
 use super::macro_uses::{self, Available};
-use super::names::Names;
+use super::names::NameRegistry;
 use crate::ident;
-use crate::index::{Id, Table};
-use crate::macros::condition::{self, Condition, Item, Step};
+use crate::index::{Id, IdTable};
+use crate::macros::condition::{self, BlockIdentifier, ConditionStep, MacroCondition};
 use crate::macros::environment::{MachineEnvironment, beside};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
+use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, TriggeredMacro};
 use crate::rows::{CodeForm, CodeRow, DataRow};
 use crate::stored::StoredFile;
-use crate::toml::node::Place;
-use crate::toml::section::Section;
-use counterpoint_ports::files::Files;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
+use counterpoint_ports::files::JobFiles;
 
 /// Most code macros, and most data macros.
 const MOST: usize = 1000;
 
 /// The declaration macro of the composite that a component belongs to, if it has one; `None` for other machines.
-type OfComposite<'a> = Option<Option<(&'a str, &'a Place)>>;
+type OfComposite<'a> = Option<Option<(&'a str, &'a DefinitionPlace)>>;
 
 /// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
 ///
 /// For a component, `composite` has the declaration macro of its composite, if there is one.
 pub(super) fn read(
-    top: &mut Section<'_>,
-    names: &Names<'_>,
+    top: &mut TableReader<'_>,
+    names: &NameRegistry<'_>,
     (codes, data): (&[CodeRow], &[DataRow]),
-    (files, stored, composite): (&dyn Files, &[StoredFile], OfComposite<'_>),
-    shown: &mut Vec<(String, Place)>,
+    (files, stored, composite): (&dyn JobFiles, &[StoredFile], OfComposite<'_>),
+    shown: &mut Vec<(String, DefinitionPlace)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
-    let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
+    let words = [
+        ("off", DeclarationStrictness::Off),
+        ("partial", DeclarationStrictness::Partial),
+        ("full", DeclarationStrictness::Full),
+    ];
     let strong = section.choice("strong", &words).unwrap_or_default();
     let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
     let mut macros = Macros { strong, ..Macros::default() };
-    let mut program = Program::new();
+    let mut program = MacroProgram::new();
     let program_of = &mut program;
-    let mut compiler =
-        Compiler { names, codes, data, files, stored, program: program_of, own: false, strong, uninitialised, shown };
+    let mut compiler = MacroLoader {
+        names,
+        codes,
+        data,
+        files,
+        stored,
+        program: program_of,
+        own: false,
+        strong,
+        uninitialised,
+        shown,
+    };
     if let Some((file, place)) = composite.flatten() {
         // It runs in the master kernel; here it says which GLOBAL variables there are.
         compiler.add(file, place, Kind::Declaration, Available::of(Hook::Declaration));
@@ -60,8 +74,8 @@ pub(super) fn read(
         compiler.hook(&mut section, hook, &mut macros.hooks);
     }
     let mut ids = Vec::new();
-    let code = |item: &Item| if let Item::Code(id) = item { Some(*id) } else { None };
-    let data = |item: &Item| if let Item::Data(id) = item { Some(*id) } else { None };
+    let code = |item: &BlockIdentifier| if let BlockIdentifier::Code(id) = item { Some(*id) } else { None };
+    let data = |item: &BlockIdentifier| if let BlockIdentifier::Data(id) = item { Some(*id) } else { None };
     macros.of_code = names.codes.map(|_, _| Vec::new());
     macros.of_data = names.data.map(|_, _| Vec::new());
     macros.codes = compiler.rows(&mut section, code, &mut macros.of_code, &mut ids);
@@ -71,20 +85,20 @@ pub(super) fn read(
     Some(Arc::new(macros))
 }
 
-struct Compiler<'a, 'n> {
-    names: &'a Names<'n>,
+struct MacroLoader<'a, 'n> {
+    names: &'a NameRegistry<'n>,
     codes: &'a [CodeRow],
     data: &'a [DataRow],
-    files: &'a dyn Files,
+    files: &'a dyn JobFiles,
     stored: &'a [StoredFile],
-    program: &'a mut Program,
+    program: &'a mut MacroProgram,
     /// GLOBAL variables are those of a component.
     own: bool,
-    strong: Strong,
+    strong: DeclarationStrictness,
     /// Variables that are read and never assigned are findings.
     uninitialised: bool,
     /// Dialogs that macros show by name.
-    shown: &'a mut Vec<(String, Place)>,
+    shown: &'a mut Vec<(String, DefinitionPlace)>,
 }
 
 /// Kind of the macro of a hook, which decides its permitted content.
@@ -96,8 +110,8 @@ fn kind(hook: Hook) -> Kind {
     }
 }
 
-impl Compiler<'_, '_> {
-    fn hook(&mut self, section: &mut Section<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
+impl MacroLoader<'_, '_> {
+    fn hook(&mut self, section: &mut TableReader<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
         let Some(file) = section.text(hook.key()) else { return };
         let found = self.one(file, section.place_of(hook.key()), kind(hook), Available::of(hook));
         if let Some(slot) = hooks.get_mut(hook as usize) {
@@ -106,7 +120,7 @@ impl Compiler<'_, '_> {
     }
 
     /// Compiles a file; returns its macros without a header.
-    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Available) -> Option<Vec<u16>> {
+    fn add(&mut self, file: &str, place: &DefinitionPlace, kind: Kind, given: Available) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {
             let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
@@ -126,14 +140,14 @@ impl Compiler<'_, '_> {
             files: Some(self.files),
             stored: self.stored,
         };
-        let options = Options {
+        let options = CompileOptions {
             strong: self.strong,
             place: kind,
             uninitialised: self.uninitialised,
             globals_are_objects: self.own,
-            ..Options::default()
+            ..CompileOptions::default()
         };
-        let source = Source::from_bytes(path, &bytes);
+        let source = MacroSource::from_bytes(path, &bytes);
         let added = compile::add(self.program, &mut environment, source.clone(), options);
         if !added.has_errors() {
             macro_uses::check(&source, given, check, self.shown);
@@ -141,8 +155,11 @@ impl Compiler<'_, '_> {
         for diagnostic in &added.diagnostics {
             let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
             let text = format!("{} {}{help}", diagnostic.number, diagnostic.message);
-            let place =
-                Place { file: diagnostic.file.as_str().into(), line: diagnostic.line, column: diagnostic.column };
+            let place = DefinitionPlace {
+                file: diagnostic.file.as_str().into(),
+                line: diagnostic.line,
+                column: diagnostic.column,
+            };
             if diagnostic.is_error() {
                 check.error(&place, text);
             } else {
@@ -153,7 +170,7 @@ impl Compiler<'_, '_> {
     }
 
     /// Compiles a file that holds one macro.
-    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Available) -> Option<u16> {
+    fn one(&mut self, file: &str, place: &DefinitionPlace, kind: Kind, given: Available) -> Option<u16> {
         let found = self.add(file, place, kind, given)?;
         match found.as_slice() {
             [one] => Some(*one),
@@ -174,14 +191,14 @@ impl Compiler<'_, '_> {
     /// Macros of codes or of data; `of` picks the identifiers of the kind.
     fn rows<I: Id, M: Id>(
         &mut self,
-        section: &mut Section<'_>,
-        of: fn(&Item) -> Option<I>,
-        by: &mut Table<I, Vec<M>>,
+        section: &mut TableReader<'_>,
+        of: fn(&BlockIdentifier) -> Option<I>,
+        by: &mut IdTable<I, Vec<M>>,
         ids: &mut Vec<u32>,
-    ) -> Table<M, Named> {
-        let of_codes = of(&Item::Code(ident::codes::COMMENT)).is_some();
+    ) -> IdTable<M, TriggeredMacro> {
+        let of_codes = of(&BlockIdentifier::Code(ident::codes::COMMENT)).is_some();
         let (key, title) = if of_codes { ("code", "[[macros.code]]") } else { ("data", "[[macros.data]]") };
-        let mut rows: Table<M, Named> = Table::default();
+        let mut rows: IdTable<M, TriggeredMacro> = IdTable::default();
         for mut row in section.rows(key, title, MOST) {
             if let Some(named) = self.row(&mut row, of_codes, ids) {
                 if row.node("name").is_some() && rows.iter().any(|other| other.name == named.name) {
@@ -202,7 +219,7 @@ impl Compiler<'_, '_> {
         rows
     }
 
-    fn row(&mut self, row: &mut Section<'_>, of_codes: bool, ids: &mut Vec<u32>) -> Option<Named> {
+    fn row(&mut self, row: &mut TableReader<'_>, of_codes: bool, ids: &mut Vec<u32>) -> Option<TriggeredMacro> {
         let id = row.integer("id", 1..=i64::from(FIRST_HOOK_ID) - 1).map(|id| id as u32);
         let id = id.unwrap_or_else(|| ids.iter().max().map_or(1, |most| most + 1));
         if ids.contains(&id) {
@@ -217,19 +234,19 @@ impl Compiler<'_, '_> {
         let (kind, given) = if of_codes { (Kind::Any, Available::CODE) } else { (Kind::Data, Available::DATA) };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind, given)?;
-        Some(Named { id, name: name.unwrap_or(default), enabled, code, matches: triggers, condition })
+        Some(TriggeredMacro { id, name: name.unwrap_or(default), enabled, code, matches: triggers, condition })
     }
 
-    fn item_name(&self, item: Item) -> &str {
+    fn item_name(&self, item: BlockIdentifier) -> &str {
         match item {
-            Item::Code(id) => &self.names.codes[id],
-            Item::Data(id) => &self.names.data[id],
+            BlockIdentifier::Code(id) => &self.names.codes[id],
+            BlockIdentifier::Data(id) => &self.names.data[id],
         }
     }
 
     /// Trigger of a macro: its condition, and the identifiers that fire it.
-    fn condition(&self, row: &mut Section<'_>, of_codes: bool) -> (Condition, Vec<Item>) {
-        let list = |row: &mut Section<'_>, key: &'static str| -> Vec<Item> {
+    fn condition(&self, row: &mut TableReader<'_>, of_codes: bool) -> (MacroCondition, Vec<BlockIdentifier>) {
+        let list = |row: &mut TableReader<'_>, key: &'static str| -> Vec<BlockIdentifier> {
             let texts = row.texts(key).unwrap_or_default();
             let fires = key == "match";
             texts.into_iter().filter_map(|(name, place)| self.item(name, place, fires)).collect()
@@ -243,7 +260,7 @@ impl Compiler<'_, '_> {
         if !matched.is_empty() && matched.iter().all(|item| absent.contains(item)) {
             row.error("absent", "what fires the macro counts as present: it never runs");
         }
-        let wanted = |item: &Item| matches!(item, Item::Code(_)) == of_codes;
+        let wanted = |item: &BlockIdentifier| matches!(item, BlockIdentifier::Code(_)) == of_codes;
         let kind = if of_codes { "CODE_" } else { "REG_" };
         if let Some(other) = matched.iter().find(|item| !wanted(item)) {
             let text = format!("{} cannot fire here: `match` lists {kind}…", self.item_name(*other));
@@ -253,7 +270,10 @@ impl Compiler<'_, '_> {
             if matched.is_empty() {
                 row.require("match", &format!("the identifiers that fire the macro, {kind}…"));
             }
-            return (Condition { present, absent, steps: Vec::new() }, matched.into_iter().filter(wanted).collect());
+            return (
+                MacroCondition { present, absent, steps: Vec::new() },
+                matched.into_iter().filter(wanted).collect(),
+            );
         };
         if !(matched.is_empty() && present.is_empty() && absent.is_empty()) {
             row.error("condition", "`condition` replaces `match`, `present` and `absent`; remove one or the other");
@@ -264,9 +284,9 @@ impl Compiler<'_, '_> {
             row.error("condition", format!("the condition cannot be read: {error}"));
             Vec::new()
         });
-        let mut triggers: Vec<Item> = Vec::new();
+        let mut triggers: Vec<BlockIdentifier> = Vec::new();
         for step in &steps {
-            if let Step::Present(item) = step
+            if let ConditionStep::Present(item) = step
                 && wanted(item)
                 && !triggers.contains(item)
             {
@@ -276,17 +296,17 @@ impl Compiler<'_, '_> {
         if triggers.is_empty() && !steps.is_empty() {
             row.error("condition", format!("the condition names no {kind}… that could fire the macro"));
         }
-        (Condition { steps, ..Condition::default() }, triggers)
+        (MacroCondition { steps, ..MacroCondition::default() }, triggers)
     }
 
     /// An identifier that the machine has in some row. The value of a code may also fire a macro.
-    fn item(&self, name: &str, place: &Place, fires: bool) -> Option<Item> {
+    fn item(&self, name: &str, place: &DefinitionPlace, fires: bool) -> Option<BlockIdentifier> {
         let upper = name.to_ascii_uppercase();
         if upper.starts_with("REG_") || upper.starts_with("DATA_") {
             let id = self.names.data(name, place)?;
             let of_code = |row: &CodeRow| matches!(row.form, CodeForm::RegisterAsData { data, .. } if data == id);
             if fires && self.codes.iter().any(|row| row.enable && row.process && of_code(row)) {
-                return Some(Item::Data(id));
+                return Some(BlockIdentifier::Data(id));
             }
             if !self.data.iter().any(|row| row.id == id && row.enable) {
                 let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
@@ -295,7 +315,7 @@ impl Compiler<'_, '_> {
                 let text = format!("the rows of {upper} say `process = false`: it is dropped and no macro sees it");
                 self.names.check.warning(place, text);
             }
-            return Some(Item::Data(id));
+            return Some(BlockIdentifier::Data(id));
         }
         let id = self.names.code(name, place)?;
         let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
@@ -307,6 +327,6 @@ impl Compiler<'_, '_> {
                 format!("the rows of {upper} say `process = false`: it is taken off the block and fires nothing");
             self.names.check.warning(place, text);
         }
-        Some(Item::Code(id))
+        Some(BlockIdentifier::Code(id))
     }
 }

@@ -56,16 +56,16 @@ mod word;
 mod tests;
 
 pub use components::is_common as is_section_of_composites;
-pub use definition::{DefinedComponent, Definition, DefinitionKey, DefinitionRow, definition, without_key};
+pub use definition::{DefinedComponent, DefinitionKey, DefinitionRow, WrittenDefinition, definition, without_key};
 pub use signs::candidates;
 
 use std::sync::Arc;
 
 use super::finding::Finding;
 use super::model::{Component, Machine};
-use super::toml::check::Check;
-use super::toml::node::Table;
-use counterpoint_ports::files::Files;
+use super::toml::check::FindingCollector;
+use super::toml::node::TomlTable;
+use counterpoint_ports::files::JobFiles;
 
 /// A machine, or why there is none.
 #[derive(Debug, Clone)]
@@ -79,8 +79,8 @@ pub struct Loaded {
 /// Loads `<folder>/machine.toml`; `files` is a view of the machines folder, so that a family is `<name>/machine.toml`
 /// in the same view.
 #[must_use]
-pub fn load(files: &dyn Files, folder: &str) -> Loaded {
-    let check = Check::default();
+pub fn load(files: &dyn JobFiles, folder: &str) -> Loaded {
+    let check = FindingCollector::default();
     let machine = chain::read(files, folder, &[], &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
         components::leave_out_family(&mut merged);
@@ -108,14 +108,14 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
 /// faults of the composite.
 fn made_of<'r>(
     composite: &Machine,
-    (table, folders): (&Table, &[String]),
-    rows: &'r [components::Row],
-    files: &dyn Files,
-    check: &Check,
-) -> Vec<(&'r components::Row, Component)> {
+    (table, folders): (&TomlTable, &[String]),
+    rows: &'r [components::ComponentRow],
+    files: &dyn JobFiles,
+    check: &FindingCollector,
+) -> Vec<(&'r components::ComponentRow, Component)> {
     let mut made = Vec::new();
     for row in rows {
-        let own = Check::default();
+        let own = FindingCollector::default();
         let Some(merged) = chain::read(files, &row.folder, folders, &own) else {
             own.into_findings().into_iter().for_each(|finding| check.error(&row.place, finding.text));
             continue;

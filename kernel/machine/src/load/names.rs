@@ -4,11 +4,11 @@
 //! mean "swallow"), so that a misspelt built-in name is always found. Facts: reference control-emulator.md 1.2, 1.3.
 
 use crate::ident::{self, CodeId, DataId, Name};
-use crate::index::{Id, RegisterId, Table};
+use crate::index::{Id, IdTable, RegisterId};
 use crate::rows::Register;
-use crate::toml::check::Check;
-use crate::toml::node::Place;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
 use crate::toml::suggest::did_you_mean;
 
 /// The code that swallows its word.
@@ -18,16 +18,16 @@ const CODE_IGNORE: &str = "CODE_IGNORE";
 const REG_IGNORE: &str = "REG_IGNORE";
 
 /// The names known so far.
-pub(super) struct Names<'a> {
-    pub(super) check: &'a Check,
-    pub(super) registers: Table<RegisterId, Register>,
-    pub(super) codes: Table<CodeId, Name>,
-    pub(super) data: Table<DataId, Name>,
+pub(super) struct NameRegistry<'a> {
+    pub(super) check: &'a FindingCollector,
+    pub(super) registers: IdTable<RegisterId, Register>,
+    pub(super) codes: IdTable<CodeId, Name>,
+    pub(super) data: IdTable<DataId, Name>,
 }
 
-impl Names<'_> {
+impl NameRegistry<'_> {
     /// Identifier of a code row (`id`, `custom`), and whether it means "swallow".
-    pub(super) fn code_of_row(&mut self, row: &mut Section<'_>) -> Option<(CodeId, bool)> {
+    pub(super) fn code_of_row(&mut self, row: &mut TableReader<'_>) -> Option<(CodeId, bool)> {
         let custom = row.flag("custom").unwrap_or(false);
         row.require("id", "an identifier, CODE_…");
         let name = row.text("id")?;
@@ -49,7 +49,7 @@ impl Names<'_> {
     }
 
     /// Identifier of a data row, likewise.
-    pub(super) fn data_of_row(&mut self, row: &mut Section<'_>) -> Option<(DataId, bool)> {
+    pub(super) fn data_of_row(&mut self, row: &mut TableReader<'_>) -> Option<(DataId, bool)> {
         let custom = row.flag("custom").unwrap_or(false);
         row.require("id", "an identifier, REG_…");
         let name = row.text("id")?;
@@ -71,7 +71,7 @@ impl Names<'_> {
     }
 
     /// A code named elsewhere than in its row.
-    pub(super) fn code(&self, name: &str, place: &Place) -> Option<CodeId> {
+    pub(super) fn code(&self, name: &str, place: &DefinitionPlace) -> Option<CodeId> {
         let upper = name.to_ascii_uppercase();
         let id = ident::code(name).or_else(|| self.codes.find(|known| *known == upper));
         if id.is_none() {
@@ -82,7 +82,7 @@ impl Names<'_> {
     }
 
     /// A data identifier named elsewhere than in its row.
-    pub(super) fn data(&self, name: &str, place: &Place) -> Option<DataId> {
+    pub(super) fn data(&self, name: &str, place: &DefinitionPlace) -> Option<DataId> {
         let upper = name.to_ascii_uppercase();
         let id = ident::data(name).or_else(|| self.data.find(|known| *known == upper));
         if id.is_none() {
@@ -93,7 +93,7 @@ impl Names<'_> {
     }
 
     /// A register by its first name.
-    pub(super) fn register(&self, name: &str, place: &Place) -> Option<RegisterId> {
+    pub(super) fn register(&self, name: &str, place: &DefinitionPlace) -> Option<RegisterId> {
         let id = self.registers.find(|register| register.name == name);
         if id.is_none() {
             self.unknown_register(name, place);
@@ -102,7 +102,7 @@ impl Names<'_> {
     }
 
     /// Says that there is no such register.
-    pub(super) fn unknown_register(&self, name: &str, place: &Place) {
+    pub(super) fn unknown_register(&self, name: &str, place: &DefinitionPlace) {
         let name = name.escape_debug().to_string();
         let second = self.registers.iter().find(|register| register.second.as_deref() == Some(&name));
         let text = match second {
@@ -117,7 +117,7 @@ impl Names<'_> {
 }
 
 /// Identifier of a custom name, new or known.
-fn custom_id<I: Id>(names: &mut Table<I, Name>, row: &Section<'_>, name: &str, prefix: &str) -> Option<I> {
+fn custom_id<I: Id>(names: &mut IdTable<I, Name>, row: &TableReader<'_>, name: &str, prefix: &str) -> Option<I> {
     let rest = name.strip_prefix(prefix).unwrap_or_default();
     let plain = rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if rest.is_empty() || !plain || name.len() > 64 {

@@ -2,13 +2,13 @@
 //!
 //! Invariant: its name is a plain file name. Facts: reference fanuc-variables-and-alarms.md 2.5.
 
-use crate::model::Output;
-use crate::toml::section::Section;
+use crate::model::PrintFileFormat;
+use crate::toml::section::TableReader;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>) -> Output {
+pub(super) fn read(top: &mut TableReader<'_>) -> PrintFileFormat {
     let mut output =
-        Output { file: "dprnt.txt".to_owned(), padded: true, sign_column: true, line_end: "\n", opened: true };
+        PrintFileFormat { file: "dprnt.txt".to_owned(), padded: true, sign_column: true, line_end: "\n", opened: true };
     let Some(mut section) = top.table("output", "[output]") else { return output };
     if let Some(name) = section.name("file", 80) {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);

@@ -5,16 +5,16 @@
 use std::cmp::Ordering;
 
 use crate::ident::{CodeId, Name, code_facts};
-use crate::index::{RegisterId, Table};
+use crate::index::{IdTable, RegisterId};
 use crate::macros::model::Macros;
 use crate::rows::{CodeForm, CodeRow, Register};
 use crate::tables::{form_range, overlap};
-use crate::toml::check::Check;
-use crate::toml::node::Place;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::DefinitionPlace;
 
 /// Warns about rows for the same word or text, one of which can never match there. A row of a child may take a word by
 /// its order from a row of the family: that is meant.
-pub(super) fn check_codes(codes: &[CodeRow], registers: &Table<RegisterId, Register>, check: &Check) {
+pub(super) fn check_codes(codes: &[CodeRow], registers: &IdTable<RegisterId, Register>, check: &FindingCollector) {
     let mut by_word: Vec<(RegisterId, f64, f64, &CodeRow)> = codes
         .iter()
         .filter(|row| row.enable)
@@ -64,7 +64,12 @@ fn text_of(row: &CodeRow) -> Option<&str> {
 }
 
 /// Warns about codes of the machine's own that nothing handles.
-pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macros: Option<&Macros>, check: &Check) {
+pub(super) fn check_custom(
+    codes: &[CodeRow],
+    names: &IdTable<CodeId, Name>,
+    macros: Option<&Macros>,
+    check: &FindingCollector,
+) {
     let mut reported = Vec::new();
     for row in codes.iter().filter(|row| row.enable && row.process) {
         if code_facts(row.id).is_some() {
@@ -77,7 +82,7 @@ pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macro
                 "{name} is a code of your own and no macro takes it: each use is an error (2900002); a row of \
                  [[macros.code]], or `process = false` to swallow it, is expected"
             );
-            check.warning(&Place { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
+            check.warning(&DefinitionPlace { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
         }
     }
 }
@@ -91,7 +96,7 @@ fn hides(first: &CodeRow, other: &CodeRow) -> bool {
     always || (first.with == other.with && first.without == other.without)
 }
 
-fn warn(written: &str, row: &CodeRow, other: &CodeRow, check: &Check) {
+fn warn(written: &str, row: &CodeRow, other: &CodeRow, check: &FindingCollector) {
     let why = match other.order == row.order {
         true => format!("which has the same order {} and comes first", row.order),
         false => format!("whose order {} is less than {}, so that this one never acts", other.order, row.order),
@@ -104,5 +109,5 @@ fn warn(written: &str, row: &CodeRow, other: &CodeRow, check: &Check) {
         ""
     };
     let text = format!("{written} overlaps the row at {}:{}, {why}{hint}", other.file, other.line);
-    check.warning(&Place { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
+    check.warning(&DefinitionPlace { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
 }

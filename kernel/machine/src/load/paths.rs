@@ -2,33 +2,38 @@
 //!
 //! Invariant: keys that the section omits have a default that fits the unit. Facts: reference control-emulator.md 1.5.
 
-use crate::model::Heights;
-use crate::model::paths::{Arcs, Helix, Threads, Turning, Turns};
-use crate::toml::section::Section;
-use counterpoint_event::Unit;
+use crate::model::DistanceMode;
+use crate::model::paths::{ArcRules, Helix, MultiTurnCircles, ThreadingRules, TurningRules};
+use crate::toml::section::TableReader;
+use counterpoint_event::MachineUnit;
 
 /// Nose angles go up to here, degrees.
 const WIDEST: f64 = 170.0;
 
 /// Reads `[arcs]`.
-pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
-    let mut arcs = Arcs {
-        center: Heights::Incremental,
-        tolerance: if unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 },
+pub(super) fn arcs(top: &mut TableReader<'_>, unit: MachineUnit) -> ArcRules {
+    let mut arcs = ArcRules {
+        center: DistanceMode::Incremental,
+        tolerance: if unit == MachineUnit::Inch { 0.01 / 25.4 } else { 0.01 },
         max_radius: f64::INFINITY,
         helix: Helix::Any,
-        turns: Turns::Always,
+        turns: MultiTurnCircles::Always,
         stands: false,
         straight: false,
     };
     let Some(mut section) = top.table("arcs", "[arcs]") else { return arcs };
-    let centers = [("offset", Heights::Incremental), ("absolute", Heights::Absolute), ("mode", Heights::Mode)];
+    let centers =
+        [("offset", DistanceMode::Incremental), ("absolute", DistanceMode::Absolute), ("mode", DistanceMode::Mode)];
     arcs.center = section.choice("center", &centers).unwrap_or(arcs.center);
     arcs.tolerance = section.at_least_zero("tolerance").unwrap_or(arcs.tolerance);
     arcs.max_radius = section.above_zero("max_radius").unwrap_or(arcs.max_radius);
     let helices = [("any", Helix::Any), ("codes", Helix::Codes), ("off", Helix::Off)];
     arcs.helix = section.choice("helix", &helices).unwrap_or(arcs.helix);
-    let turns = [("always", Turns::Always), ("helical", Turns::Helical), ("never", Turns::Never)];
+    let turns = [
+        ("always", MultiTurnCircles::Always),
+        ("helical", MultiTurnCircles::Helical),
+        ("never", MultiTurnCircles::Never),
+    ];
     arcs.turns = section.choice("turns", &turns).unwrap_or(arcs.turns);
     let starts = [("error", false), ("stand", true)];
     arcs.stands = section.choice("to_start", &starts).unwrap_or(arcs.stands);
@@ -39,9 +44,9 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
 }
 
 /// Reads `[turning]`.
-pub(super) fn turning(top: &mut Section<'_>, unit: Unit) -> Turning {
-    let one = if unit == Unit::Inch { 0.04 } else { 1.0 };
-    let mut turning = Turning {
+pub(super) fn turning(top: &mut TableReader<'_>, unit: MachineUnit) -> TurningRules {
+    let one = if unit == MachineUnit::Inch { 0.04 } else { 1.0 };
+    let mut turning = TurningRules {
         two_lines: false,
         depth: 0.0,
         retract: one,
@@ -66,8 +71,8 @@ pub(super) fn turning(top: &mut Section<'_>, unit: Unit) -> Turning {
 }
 
 /// Reads `[threads]`.
-pub(super) fn threads(top: &mut Section<'_>) -> Threads {
-    let mut threads = Threads {
+pub(super) fn threads(top: &mut TableReader<'_>) -> ThreadingRules {
+    let mut threads = ThreadingRules {
         two_lines: false,
         changes: false,
         infeed: 0,
@@ -98,7 +103,7 @@ pub(super) fn threads(top: &mut Section<'_>) -> Threads {
     threads
 }
 
-fn angle(section: &mut Section<'_>, key: &'static str, least: f64, most: f64) -> Option<f64> {
+fn angle(section: &mut TableReader<'_>, key: &'static str, least: f64, most: f64) -> Option<f64> {
     let angle = section.number(key)?;
     if (least..=most).contains(&angle) {
         return Some(angle);
@@ -108,7 +113,7 @@ fn angle(section: &mut Section<'_>, key: &'static str, least: f64, most: f64) ->
 }
 
 /// Angles in whole degrees, bit by degree.
-fn noses(section: &mut Section<'_>) -> u128 {
+fn noses(section: &mut TableReader<'_>) -> u128 {
     let angles = section.numbers("noses", 0..=99).unwrap_or_default();
     if angles.iter().any(|angle| angle.fract() != 0.0 || !(0.0..=120.0).contains(angle)) {
         section.error("noses", "`noses` are whole degrees from 0 to 120");

@@ -4,10 +4,10 @@
 //! system-variables.md 6.
 
 use crate::model::Pump;
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>) -> Pump {
+pub(super) fn read(top: &mut TableReader<'_>) -> Pump {
     let mut pump = Pump { max_pressure: 0.0, pressures: Vec::new() };
     let Some(mut section) = top.table("coolant", "[coolant]") else { return pump };
     pump.max_pressure = section.above_zero("max_pressure").unwrap_or(0.0);

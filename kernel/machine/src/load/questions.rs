@@ -5,7 +5,7 @@
 
 /// Conversion of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum AnswerConversion {
     /// Code rows of the words.
     Code(&'static str),
     /// Code rows that hand their value over.
@@ -18,43 +18,43 @@ pub(super) enum Kind {
 
 /// A question.
 #[derive(Debug)]
-pub(super) struct Question {
+pub(super) struct ControlQuestion {
     /// Key.
     pub(super) key: &'static str,
     /// The use of the answer.
-    pub(super) kind: Kind,
+    pub(super) kind: AnswerConversion,
 }
 
 /// Questions about one subject.
 #[derive(Debug)]
-pub(super) struct Subject {
+pub(super) struct QuestionSubject {
     /// Key of its table.
     pub(super) key: &'static str,
     /// Title for findings.
     pub(super) title: &'static str,
     /// Its questions.
-    pub(super) questions: &'static [Question],
+    pub(super) questions: &'static [ControlQuestion],
 }
 
-const fn code(key: &'static str, id: &'static str) -> Question {
-    Question { key, kind: Kind::Code(id) }
+const fn code(key: &'static str, id: &'static str) -> ControlQuestion {
+    ControlQuestion { key, kind: AnswerConversion::Code(id) }
 }
 
-const fn as_data(key: &'static str, id: &'static str, data: &'static str) -> Question {
-    Question { key, kind: Kind::AsData(id, data) }
+const fn as_data(key: &'static str, id: &'static str, data: &'static str) -> ControlQuestion {
+    ControlQuestion { key, kind: AnswerConversion::AsData(id, data) }
 }
 
-const fn numbered(key: &'static str, id: &'static str, data: &'static str) -> Question {
-    Question { key, kind: Kind::Numbered(id, data) }
+const fn numbered(key: &'static str, id: &'static str, data: &'static str) -> ControlQuestion {
+    ControlQuestion { key, kind: AnswerConversion::Numbered(id, data) }
 }
 
-const fn data(key: &'static str, ids: &'static [&'static str]) -> Question {
-    Question { key, kind: Kind::Data(ids) }
+const fn data(key: &'static str, ids: &'static [&'static str]) -> ControlQuestion {
+    ControlQuestion { key, kind: AnswerConversion::Data(ids) }
 }
 
 /// All questions.
-pub(super) const SUBJECTS: &[Subject] = &[
-    Subject {
+pub(super) const SUBJECTS: &[QuestionSubject] = &[
+    QuestionSubject {
         key: "motion",
         title: "[questionnaire.motion]",
         questions: &[
@@ -85,12 +85,12 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("preset", "CODE_POSITION_PRESET"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "planes",
         title: "[questionnaire.planes]",
         questions: &[code("xy", "CODE_PLANE_XY"), code("zx", "CODE_PLANE_ZX"), code("yz", "CODE_PLANE_YZ")],
     },
-    Subject {
+    QuestionSubject {
         key: "position",
         title: "[questionnaire.position]",
         questions: &[
@@ -100,7 +100,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("radius", "CODE_XAXIS_RADIUS"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "feed",
         title: "[questionnaire.feed]",
         questions: &[
@@ -109,12 +109,12 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("inverse_time", "CODE_FEED_1T"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "units",
         title: "[questionnaire.units]",
         questions: &[code("primary", "CODE_UNITS_PRIMARY"), code("secondary", "CODE_UNITS_SECONDARY")],
     },
-    Subject {
+    QuestionSubject {
         key: "spindle",
         title: "[questionnaire.spindle]",
         questions: &[
@@ -129,7 +129,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("surface_side", "CODE_SPINDLE_CSS_SIDE"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "coolant",
         title: "[questionnaire.coolant]",
         questions: &[
@@ -140,7 +140,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("off", "CODE_COOLANT_OFF"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "tool",
         title: "[questionnaire.tool]",
         questions: &[
@@ -149,7 +149,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             as_data("load", "CODE_TOOL_LOAD", "REG_TOOL"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "compensation",
         title: "[questionnaire.compensation]",
         questions: &[
@@ -161,7 +161,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("length_off", "CODE_COMP_LENGTH_OFF"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "offsets",
         title: "[questionnaire.offsets]",
         questions: &[
@@ -170,7 +170,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("extended", "CODE_COMP_EXTFIXT"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "frames",
         title: "[questionnaire.frames]",
         questions: &[
@@ -192,7 +192,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("tip_off", "CODE_RTCP_OFF"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "cycles",
         title: "[questionnaire.cycles]",
         questions: &[
@@ -219,7 +219,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("retract_r", "CODE_CYCLE_RETRACT_R"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "threads",
         title: "[questionnaire.threads]",
         questions: &[
@@ -236,7 +236,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("same_step", "CODE_THREAD_STEP_DEPTH"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "home",
         title: "[questionnaire.home]",
         questions: &[
@@ -247,7 +247,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("tool_change_back", "CODE_TOOL_LOAD_RETURN"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "subprograms",
         title: "[questionnaire.subprograms]",
         questions: &[
@@ -256,7 +256,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("return", "CODE_CALSUB_RETURN"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "stop",
         title: "[questionnaire.stop]",
         questions: &[
@@ -266,17 +266,17 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("rewind", "CODE_REWIND"),
         ],
     },
-    Subject {
+    QuestionSubject {
         key: "heads",
         title: "[questionnaire.heads]",
         questions: &[code("main", "CODE_HEAD_MAIN"), code("side", "CODE_HEAD_SIDE"), code("number", "CODE_HEAD_ID")],
     },
-    Subject {
+    QuestionSubject {
         key: "sync",
         title: "[questionnaire.sync]",
         questions: &[as_data("wait", "CODE_SYNC_REG", "REG_SYNC"), data("channels", &["REG_SYNC_PATHS"])],
     },
-    Subject {
+    QuestionSubject {
         key: "words",
         title: "[questionnaire.words]",
         questions: &[

@@ -2,13 +2,13 @@
 //!
 //! Invariant: a row looks for a code or for the word of a register, and says when that is refused.
 
-use super::names::Names;
-use super::word::{self, Wrong};
+use super::names::NameRegistry;
+use super::word::{self, CodeWordError};
 use crate::ident;
-use crate::refusals::{Active, Refusal, WordRule, Written};
+use crate::refusals::{Active, BlockRefusal, CodeReference, WordRule};
 use crate::rows::CodeRow;
-use crate::toml::node::Place;
-use crate::toml::section::Section;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
 
 /// Most rows of the table.
 const MOST: usize = 1000;
@@ -20,8 +20,8 @@ const KEYS: [&str; 19] = [
 ];
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Vec<Refusal> {
-    let mut refusals: Vec<Refusal> = Vec::new();
+pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, codes: &[CodeRow]) -> Vec<BlockRefusal> {
+    let mut refusals: Vec<BlockRefusal> = Vec::new();
     for mut row in top.rows("refusals", "[[refusals]]", MOST) {
         if row.flag("enable") == Some(false) {
             for key in KEYS {
@@ -44,7 +44,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) 
     refusals
 }
 
-fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Option<Refusal> {
+fn read_row(row: &mut TableReader<'_>, names: &NameRegistry<'_>, codes: &[CodeRow]) -> Option<BlockRefusal> {
     row.require("alarm", "the number of the alarm as the control shows it");
     row.require("text", "what the alarm is about");
     let alarm = row.name("alarm", 32).map(str::to_owned);
@@ -75,7 +75,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
                     `active`, `inactive` or `register`";
         names.check.error(row.place(), text);
     }
-    Some(Refusal {
+    Some(BlockRefusal {
         name: name?,
         alarm: alarm?,
         text: text?,
@@ -95,17 +95,22 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
 }
 
 /// A code by its identifier or by its word.
-fn written(name: &str, place: &Place, row: &Section<'_>, names: &Names<'_>) -> Option<Written> {
+fn written(
+    name: &str,
+    place: &DefinitionPlace,
+    row: &TableReader<'_>,
+    names: &NameRegistry<'_>,
+) -> Option<CodeReference> {
     if name.to_ascii_uppercase().starts_with("CODE_") {
-        return names.code(name, place).map(Written::Id);
+        return names.code(name, place).map(CodeReference::Id);
     }
     match word::parse(name, &names.registers) {
-        Ok(word) => Some(Written::Word { register: word.register, min: word.min, max: word.max }),
-        Err(Wrong::Register(letters)) => {
+        Ok(word) => Some(CodeReference::Word { register: word.register, min: word.min, max: word.max }),
+        Err(CodeWordError::Register(letters)) => {
             names.unknown_register(&letters, place);
             None
         }
-        Err(Wrong::Form(text)) => {
+        Err(CodeWordError::Form(text)) => {
             row.error_at(place, text);
             None
         }
@@ -113,7 +118,7 @@ fn written(name: &str, place: &Place, row: &Section<'_>, names: &Names<'_>) -> O
 }
 
 /// A code with the modal group that it has on this machine.
-fn state(name: &str, place: &Place, names: &Names<'_>, codes: &[CodeRow]) -> Option<Active> {
+fn state(name: &str, place: &DefinitionPlace, names: &NameRegistry<'_>, codes: &[CodeRow]) -> Option<Active> {
     let id = names.code(name, place)?;
     let row = codes.iter().find(|row| row.id == id).map(|row| row.group);
     let group = row.or_else(|| ident::code_facts(id).map(|facts| facts.group)).unwrap_or(0);
@@ -124,7 +129,7 @@ fn state(name: &str, place: &Place, names: &Names<'_>, codes: &[CodeRow]) -> Opt
     Some(Active { group, id })
 }
 
-fn word_rule(row: &mut Section<'_>, names: &Names<'_>) -> Option<WordRule> {
+fn word_rule(row: &mut TableReader<'_>, names: &NameRegistry<'_>) -> Option<WordRule> {
     let name = row.text("register");
     let place = row.place_of("register").clone();
     let register = name.and_then(|name| names.register(name, &place));

@@ -2,16 +2,16 @@
 //!
 //! Invariant: names, second names and indexes are unique. Facts: reference control-emulator.md 1.4.
 
-use crate::index::{RegisterId, Table};
-use crate::rows::{Excess, NumberFormat, Point, Register, Zeros};
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::index::{IdTable, RegisterId};
+use crate::rows::{DecimalPointRule, Excess, NumberFormat, Register, ZeroRule};
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Most registers of a machine.
 const MOST: usize = 99;
 
 /// Reads the rows; the list is in ascending index.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Register> {
+pub(super) fn read(top: &mut TableReader<'_>, check: &FindingCollector) -> IdTable<RegisterId, Register> {
     top.require("registers", "the letters of the program");
     let mut registers: Vec<Register> = Vec::new();
     for row in top.rows("registers", "[[registers]]", MOST) {
@@ -25,7 +25,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Re
 
 /// Settings of `[control]` for numbers of coordinates: signed registers with digits after the point.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Coordinates {
+pub(super) struct CoordinateSettings {
     /// Without a point they count units of their last digit.
     pub increments: bool,
     /// Digits after the last one of the register.
@@ -35,7 +35,7 @@ pub(super) struct Coordinates {
 }
 
 /// Changes the formats of coordinates.
-pub(super) fn change_coordinates(registers: &mut Table<RegisterId, Register>, rule: Coordinates) {
+pub(super) fn change_coordinates(registers: &mut IdTable<RegisterId, Register>, rule: CoordinateSettings) {
     for register in registers.iter_mut().filter(|register| register.signed && register.pointed) {
         for format in [&mut register.format, &mut register.secondary].into_iter().filter(|format| format.frac > 0) {
             format.excess = rule.excess;
@@ -43,14 +43,14 @@ pub(super) fn change_coordinates(registers: &mut Table<RegisterId, Register>, ru
                 format.whole += 1;
             }
             if rule.increments {
-                (format.point, format.lead, format.trail) = (Point::Omit, Zeros::Omit, Zeros::Keep);
+                (format.point, format.lead, format.trail) = (DecimalPointRule::Omit, ZeroRule::Omit, ZeroRule::Keep);
             }
         }
         register.counts = rule.increments;
     }
 }
 
-fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<Register> {
+fn read_row(mut row: TableReader<'_>, known: &[Register], check: &FindingCollector) -> Option<Register> {
     row.require("name", "a capital letter, or text for a special register");
     let name = register_name(&mut row, "name");
     let second = register_name(&mut row, "second");
@@ -105,7 +105,7 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
 }
 
 /// Text around the number of a special register; the empty text is one.
-fn special_text(row: &mut Section<'_>, key: &'static str) -> Option<String> {
+fn special_text(row: &mut TableReader<'_>, key: &'static str) -> Option<String> {
     let text = characters(row.text(key)?);
     if text.len() > 16 || text.ends_with(|c: char| key == "before" && (c.is_ascii_digit() || c == '.')) {
         row.error(key, format!("`{key}` must be up to 16 characters, and not end in a digit before the number"));
@@ -136,7 +136,7 @@ fn characters(text: &str) -> String {
     out
 }
 
-fn register_name(row: &mut Section<'_>, key: &'static str) -> Option<String> {
+fn register_name(row: &mut TableReader<'_>, key: &'static str) -> Option<String> {
     let name = row.name(key, 16)?;
     let one_other = name.len() == 1 && !name.chars().all(|c| c.is_ascii_uppercase());
     if one_other || !name.chars().all(|c| c.is_ascii_graphic()) || name.starts_with(|c: char| c.is_ascii_digit()) {
@@ -147,24 +147,28 @@ fn register_name(row: &mut Section<'_>, key: &'static str) -> Option<String> {
     Some(name.to_owned())
 }
 
-fn number_format(row: &mut Section<'_>) -> NumberFormat {
+fn number_format(row: &mut TableReader<'_>) -> NumberFormat {
     row.require("whole", "digits before the point");
     let whole = row.integer("whole", 0..=9).unwrap_or(9) as u8;
     let frac = row.integer("frac", 0..=9).unwrap_or(0) as u8;
-    let points = [("keep", Point::Keep), ("fractional", Point::Fractional), ("omit", Point::Omit)];
-    let zeros = [("keep", Zeros::Keep), ("one", Zeros::One), ("omit", Zeros::Omit)];
+    let points = [
+        ("keep", DecimalPointRule::Keep),
+        ("fractional", DecimalPointRule::Fractional),
+        ("omit", DecimalPointRule::Omit),
+    ];
+    let zeros = [("keep", ZeroRule::Keep), ("one", ZeroRule::One), ("omit", ZeroRule::Omit)];
     NumberFormat {
         whole,
         frac,
-        point: row.choice("point", &points).unwrap_or(Point::Fractional),
-        lead: row.choice("lead", &zeros).unwrap_or(Zeros::Omit),
-        trail: row.choice("trail", &zeros).unwrap_or(Zeros::Omit),
+        point: row.choice("point", &points).unwrap_or(DecimalPointRule::Fractional),
+        lead: row.choice("lead", &zeros).unwrap_or(ZeroRule::Omit),
+        trail: row.choice("trail", &zeros).unwrap_or(ZeroRule::Omit),
         plus: row.flag("plus").unwrap_or(false),
         excess: Excess::default(),
     }
 }
 
-fn secondary_format(row: &mut Section<'_>, primary: NumberFormat) -> NumberFormat {
+fn secondary_format(row: &mut TableReader<'_>, primary: NumberFormat) -> NumberFormat {
     let Some(mut section) = row.table("secondary", "secondary of [[registers]]") else { return primary };
     let whole = section.integer("whole", 0..=9).map_or(primary.whole, |whole| whole as u8);
     let frac = section.integer("frac", 0..=9).map_or(primary.frac, |frac| frac as u8);

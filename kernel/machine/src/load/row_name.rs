@@ -2,10 +2,10 @@
 //!
 //! *Invariant:* two rows of a section have the same name if and only if the later row replaces the earlier one.
 
-use crate::toml::node::{Table, Value};
+use crate::toml::node::{TomlTable, TomlValue};
 
 /// The key by which a child's row finds the row of the parent that it replaces.
-pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
+pub(super) fn row_name(path: &str, row: &TomlTable) -> Option<String> {
     match path {
         "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" | "external" => {
             row.text("name").map(str::to_owned)
@@ -20,7 +20,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
         "waits" => ["word", "text", "statement"].iter().find_map(|form| row.text(form)).map(str::to_owned),
         "components" => row.text("designator").map(str::to_owned),
         "system_variables" => match &row.get("first")?.value {
-            Value::Integer(number) => Some(number.to_string()),
+            TomlValue::Integer(number) => Some(number.to_string()),
             _ => None,
         },
         "subprograms.calls" => row.text("word").map(str::to_owned),
@@ -28,7 +28,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
         "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" | "tool.data" => {
             match &row.get("number")?.value {
-                Value::Integer(number) => Some(number.to_string()),
+                TomlValue::Integer(number) => Some(number.to_string()),
                 _ => None,
             }
         }
@@ -37,7 +37,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
 }
 
 /// Identifier of a row, in a uniform spelling.
-fn identifier(row: &Table) -> Option<String> {
+fn identifier(row: &TomlTable) -> Option<String> {
     use crate::ident;
     let name = row.text("id")?;
     let code = ident::code(name).and_then(ident::code_facts).map(|facts| facts.name);

@@ -3,19 +3,19 @@
 //! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; signs of its
 //! families also count.
 
-use counterpoint_ports::files::Files;
-use counterpoint_signs::{Candidate, HEAVIEST, Pattern, Rows, Signs};
+use counterpoint_ports::files::JobFiles;
+use counterpoint_signs::{HEAVIEST, MachineCandidate, Rows, SignPattern, Signs};
 
 use super::chain;
-use crate::toml::check::Check;
-use crate::toml::node::{Table, Value};
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{TomlTable, TomlValue};
+use crate::toml::section::TableReader;
 
 /// Longest name of a control or trait.
 const LONGEST: usize = 80;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Option<Signs> {
+pub(super) fn read(top: &mut TableReader<'_>, check: &FindingCollector) -> Option<Signs> {
     let mut section = top.table("signs", "[signs]")?;
     section.require("control", "the control, as messages name it");
     let signs = Signs {
@@ -32,7 +32,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Option<Signs> {
 }
 
 /// Tables of signs under names.
-fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
+fn tables(table: &TomlTable, check: &FindingCollector) -> Vec<(String, Rows)> {
     let mut all = Vec::with_capacity(table.entries.len());
     for entry in &table.entries {
         let length = entry.key.chars().count();
@@ -45,7 +45,7 @@ fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
             );
         }
         match &entry.node.value {
-            Value::Table(table) => all.push((entry.key.clone(), rows(table, check))),
+            TomlValue::Table(table) => all.push((entry.key.clone(), rows(table, check))),
             other => check.error(&entry.node.place, format!("signs must be a table, not {}", other.kind())),
         }
     }
@@ -55,18 +55,18 @@ fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
 }
 
 /// Patterns with their weights; weight 0 removes a sign of the family.
-fn rows(table: &Table, check: &Check) -> Rows {
+fn rows(table: &TomlTable, check: &FindingCollector) -> Rows {
     let mut rows = Rows::new();
     for entry in &table.entries {
         let weight = match &entry.node.value {
-            Value::Integer(weight) => u32::try_from(*weight).ok().filter(|weight| *weight <= HEAVIEST),
+            TomlValue::Integer(weight) => u32::try_from(*weight).ok().filter(|weight| *weight <= HEAVIEST),
             _ => None,
         };
         let Some(weight) = weight else {
             check.error(&entry.node.place, format!("the weight of a sign must be a whole number from 0 to {HEAVIEST}"));
             continue;
         };
-        match Pattern::parse(&entry.key) {
+        match SignPattern::parse(&entry.key) {
             Ok(pattern) => rows.push((pattern, weight)),
             Err(why) => check.error(&entry.place, format!("the sign \"{}\" {why}", entry.key.escape_debug())),
         }
@@ -77,38 +77,38 @@ fn rows(table: &Table, check: &Check) -> Rows {
 
 /// The machines of these names that programs can show, with their signs. A machine that cannot be read is left out.
 #[must_use]
-pub fn candidates(files: &dyn Files, names: &[String]) -> Vec<Candidate> {
+pub fn candidates(files: &dyn JobFiles, names: &[String]) -> Vec<MachineCandidate> {
     names.iter().filter_map(|name| candidate(files, name)).collect()
 }
 
-fn candidate(files: &dyn Files, name: &str) -> Option<Candidate> {
+fn candidate(files: &dyn JobFiles, name: &str) -> Option<MachineCandidate> {
     // Most machines need not be read for it.
     let own = files.read(&format!("{name}/{}", chain::FILE)).ok()?;
     if !own.windows(6).any(|part| part == b"[signs") {
         return None;
     }
-    let check = Check::default();
+    let check = FindingCollector::default();
     let merged = chain::read(files, name, &[], &check).filter(|merged| merged.own_signs)?;
-    let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", &check);
+    let mut top = TableReader::new(&merged.table, merged.start.clone(), "the machine file", &check);
     let signs = read(&mut top, &check).filter(|_| !check.has_errors())?;
     let channels = match merged.table.get("channels").map(|node| &node.value) {
-        Some(Value::Array(rows)) => rows.len(),
+        Some(TomlValue::Array(rows)) => rows.len(),
         _ => 0,
     };
     let layout = match merged.table.get("control").map(|node| &node.value) {
-        Some(Value::Table(control)) => control.text("programs").unwrap_or_default(),
+        Some(TomlValue::Table(control)) => control.text("programs").unwrap_or_default(),
         _ => "",
     };
     let axes = match merged.table.get("axes").map(|node| &node.value) {
-        Some(Value::Array(rows)) => rows.iter().filter_map(|row| first_letter(&row.value)).collect(),
+        Some(TomlValue::Array(rows)) => rows.iter().filter_map(|row| first_letter(&row.value)).collect(),
         _ => Vec::new(),
     };
     let whole_file = matches!(layout, "heads" | "sections");
-    Some(Candidate { name: name.to_owned(), channels, whole_file, axes, signs })
+    Some(MachineCandidate { name: name.to_owned(), channels, whole_file, axes, signs })
 }
 
 /// The first letter of the name of an axis.
-fn first_letter(axis: &Value) -> Option<char> {
-    let Value::Table(axis) = axis else { return None };
+fn first_letter(axis: &TomlValue) -> Option<char> {
+    let TomlValue::Table(axis) = axis else { return None };
     axis.text("name")?.chars().next()
 }

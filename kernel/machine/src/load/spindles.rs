@@ -2,17 +2,17 @@
 //!
 //! Invariant: numbers and names are unique, and the smallest speed is below the largest.
 
-use crate::index::{SpindleId, Table};
+use crate::index::{IdTable, SpindleId};
 use crate::model::Spindle;
-use crate::rows::Overlap;
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::rows::TimeOverlap;
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Most spindles of a machine.
 const MOST: usize = 99;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<SpindleId, Spindle> {
+pub(super) fn read(top: &mut TableReader<'_>, check: &FindingCollector) -> IdTable<SpindleId, Spindle> {
     let mut spindles: Vec<Spindle> = Vec::new();
     for mut row in top.rows("spindles", "[[spindles]]", MOST) {
         if let Some(spindle) = read_row(&mut row) {
@@ -29,7 +29,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<SpindleId, Spi
     spindles.into_iter().collect()
 }
 
-fn read_row(row: &mut Section<'_>) -> Option<Spindle> {
+fn read_row(row: &mut TableReader<'_>) -> Option<Spindle> {
     row.require("number", "a whole number from 1 to 99");
     let number = row.integer("number", 1..=99).map(|number| number as u16);
     let name = row.name("name", 32).map(str::to_owned);
@@ -42,7 +42,7 @@ fn read_row(row: &mut Section<'_>) -> Option<Spindle> {
         row.error("min", format!("`min` {min} is more than `max` {max}"));
     }
     let run_up = row.at_least_zero("run_up").unwrap_or(0.0);
-    let overlap = row.choice("overlap", &Overlap::WORDS).unwrap_or_default();
+    let overlap = row.choice("overlap", &TimeOverlap::WORDS).unwrap_or_default();
     let number = number?;
     let name = name.unwrap_or_else(|| format!("S{number}"));
     Some(Spindle { number, name, max: max.unwrap_or(1.0), min, run_up, overlap })

@@ -5,8 +5,8 @@
 
 use crate::package;
 use crate::stored::StoredFile;
-use crate::toml::section::Section;
-use counterpoint_ports::files::Files;
+use crate::toml::section::TableReader;
+use counterpoint_ports::files::JobFiles;
 
 /// Most files.
 const MOST: usize = 1000;
@@ -15,7 +15,7 @@ const MOST: usize = 1000;
 const BYTES: usize = 64 << 20;
 
 /// Reads the folder that `files` names, in the folder of the file that says so.
-pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> {
+pub(super) fn read(top: &mut TableReader<'_>, files: &dyn JobFiles) -> Vec<StoredFile> {
     let Some(name) = top.name("files", 64) else { return Vec::new() };
     let name = name.trim_end_matches('/');
     if name.starts_with(['/', '.']) || name.contains(['\\', ':']) || name.split('/').any(|part| part.is_empty()) {

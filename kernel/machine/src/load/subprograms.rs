@@ -4,10 +4,10 @@
 
 use super::calls::{self, Around};
 use crate::model::{CallForm, CallLevels, MacroWords, MainReturn, NestedCalls, Placement, Subprograms, Triples};
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
+pub(super) fn read(top: &mut TableReader<'_>, around: &Around<'_>) -> Subprograms {
     let mut subprograms = Subprograms {
         placement: Placement::SameFile,
         extension: "tps".to_owned(),

@@ -6,9 +6,9 @@
 use crate::ident::{self, CodeId, codes};
 use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect, WaitRow};
 use crate::rows::{CodeForm, CodeRow};
-use crate::toml::check::Check;
-use crate::toml::node::Place;
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::DefinitionPlace;
+use crate::toml::section::TableReader;
 
 /// Longest delay in seconds.
 const LONGEST: f64 = 86_400.0;
@@ -35,10 +35,10 @@ const TOGETHER: [CodeId; 6] = [
 
 /// Reads the section.
 pub(super) fn read(
-    top: &mut Section<'_>,
+    top: &mut TableReader<'_>,
     channels: &[Channel],
     (rows, waits): (&[CodeRow], Vec<WaitRow>),
-    check: &Check,
+    check: &FindingCollector,
 ) -> Sync {
     let mut sync = Sync {
         dialect: SyncDialect::None,
@@ -55,7 +55,7 @@ pub(super) fn read(
         let meets = |row: &&CodeRow| row.enable && (MARKS.contains(&row.id) || is_together(row, channels, top.place()));
         for row in rows.iter().filter(meets) {
             if !sync.waits.iter().any(|wait| wait.is_of(&row.form)) {
-                let place = Place { file: row.file.as_str().into(), line: row.line, column: 1 };
+                let place = DefinitionPlace { file: row.file.as_str().into(), line: row.line, column: 1 };
                 check.idle(
                     &place,
                     "the word of this synchronisation has no effect: the machine has no [sync] with `dialect`",
@@ -86,7 +86,7 @@ pub(super) fn read(
     sync
 }
 
-fn nanoseconds(section: &mut Section<'_>, key: &'static str) -> Option<i64> {
+fn nanoseconds(section: &mut TableReader<'_>, key: &'static str) -> Option<i64> {
     let seconds = section.at_least_zero(key)?;
     if seconds > LONGEST {
         section.error(key, format!("`{key}` must be at most {LONGEST} s, not {seconds}"));
@@ -95,7 +95,7 @@ fn nanoseconds(section: &mut Section<'_>, key: &'static str) -> Option<i64> {
     Some((seconds * 1e9).round() as i64)
 }
 
-fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
+fn check_form(section: &TableReader<'_>, form: PathsForm, channels: &[Channel]) {
     let largest = channels.iter().map(|channel| channel.number).max().unwrap_or(0);
     match form {
         PathsForm::Either if largest > 2 => {
@@ -112,7 +112,13 @@ fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
     }
 }
 
-fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &[CodeRow], check: &Check) {
+fn check_words(
+    section: &TableReader<'_>,
+    sync: &Sync,
+    channels: &[Channel],
+    rows: &[CodeRow],
+    check: &FindingCollector,
+) {
     let own = |row: &CodeRow| sync.waits.iter().any(|wait| wait.is_of(&row.form));
     let words = rows.iter().any(|row| MARKS.contains(&row.id) && row.enable && !own(row));
     if sync.dialect == SyncDialect::Fanuc && !words && sync.waits.is_empty() && channels.len() > 1 {
@@ -133,7 +139,7 @@ fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &
 
 /// Whether channels meet at the code of a row of the same file on a machine with several channels. A family may have
 /// such rows for other machines.
-fn is_together(row: &CodeRow, channels: &[Channel], place: &Place) -> bool {
+fn is_together(row: &CodeRow, channels: &[Channel], place: &DefinitionPlace) -> bool {
     let own = row.file == *place.file && row.form != CodeForm::NotApplicable;
     own && channels.len() > 1 && TOGETHER.contains(&row.id)
 }

@@ -3,12 +3,12 @@
 //! *Invariant:* a number has one row at most. Facts: reference fanuc-variables-and-alarms.md 1. A machine without rows
 //! has those that every control of the kind has: clocks, modal codes, positions.
 
-use crate::index::{RegisterId, Table};
+use crate::index::{IdTable, RegisterId};
 use crate::rows::{CodeForm, CodeRow, Register};
-use crate::system_variables::{Column, FIRST, Frame, MODAL_CALLS, Means, SystemRow, SystemVariables};
-use crate::toml::check::Check;
-use crate::toml::node::Value;
-use crate::toml::section::Section;
+use crate::system_variables::{FIRST, MODAL_CALLS, Means, OffsetColumn, PositionReference, SystemRow, SystemVariables};
+use crate::toml::check::FindingCollector;
+use crate::toml::node::TomlValue;
+use crate::toml::section::TableReader;
 
 /// Most rows.
 const MOST: usize = 255;
@@ -27,10 +27,10 @@ const START: (u32, u32) = (20_260_101, 80_000);
 
 /// Reads the rows; switched-off ones are none.
 pub(super) fn read(
-    top: &mut Section<'_>,
+    top: &mut TableReader<'_>,
     codes: &[CodeRow],
-    registers: &Table<RegisterId, Register>,
-    check: &Check,
+    registers: &IdTable<RegisterId, Register>,
+    check: &FindingCollector,
 ) -> SystemVariables {
     let mut places = Vec::new();
     let mut variables = SystemVariables { start: START, alarm: 3000, ..SystemVariables::default() };
@@ -57,7 +57,7 @@ pub(super) fn read(
 }
 
 /// Settings of `[variables]` for system variables.
-pub(super) fn read_settings(section: &mut Section<'_>, variables: &mut SystemVariables, check: &Check) {
+pub(super) fn read_settings(section: &mut TableReader<'_>, variables: &mut SystemVariables, check: &FindingCollector) {
     if let Some(number) = section.integer("alarm_base", 0..=9999) {
         variables.alarm = number as u32;
     }
@@ -85,7 +85,7 @@ pub(super) fn read_settings(section: &mut Section<'_>, variables: &mut SystemVar
     variables.initial.sort_by_key(|(number, _)| *number);
 }
 
-fn read_row(row: &mut Section<'_>) -> Option<SystemRow> {
+fn read_row(row: &mut TableReader<'_>) -> Option<SystemRow> {
     row.require("first", "the first number");
     row.require("is", "what the variables show");
     let first = row.integer("first", i64::from(FIRST)..=LAST)? as u32;
@@ -101,15 +101,15 @@ fn read_row(row: &mut Section<'_>) -> Option<SystemRow> {
     Some(SystemRow { first, last, also, means, writable })
 }
 
-fn number_of(value: &Value) -> Option<u32> {
+fn number_of(value: &TomlValue) -> Option<u32> {
     match value {
-        Value::Integer(number) if (i64::from(FIRST)..=LAST).contains(number) => Some(*number as u32),
+        TomlValue::Integer(number) if (i64::from(FIRST)..=LAST).contains(number) => Some(*number as u32),
         _ => None,
     }
 }
 
 /// Meaning of a row, and whether programs may set it unless the row says otherwise.
-fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
+fn means(row: &mut TableReader<'_>) -> Option<(Means, bool)> {
     #[derive(Clone, Copy)]
     enum Is {
         Kept,
@@ -120,7 +120,7 @@ fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
         Simple(u8),
         Modal,
         Address,
-        Position(Frame),
+        Position(PositionReference),
         WorkOffset,
         ToolOffset(bool),
     }
@@ -139,15 +139,15 @@ fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
         ("main-program", Is::Simple(6)),
         ("modal", Is::Modal),
         ("address", Is::Address),
-        ("local-shift", Is::Position(Frame::Local)),
-        ("block-end", Is::Position(Frame::BlockEnd)),
-        ("machine-position", Is::Position(Frame::Machine)),
-        ("work-position", Is::Position(Frame::Work)),
-        ("skip-position", Is::Position(Frame::Skip)),
-        ("tool-compensation", Is::Position(Frame::Tool)),
-        ("wear-compensation", Is::Position(Frame::Wear)),
-        ("geometry-compensation", Is::Position(Frame::Geometry)),
-        ("zero", Is::Position(Frame::Zero)),
+        ("local-shift", Is::Position(PositionReference::Local)),
+        ("block-end", Is::Position(PositionReference::BlockEnd)),
+        ("machine-position", Is::Position(PositionReference::Machine)),
+        ("work-position", Is::Position(PositionReference::Work)),
+        ("skip-position", Is::Position(PositionReference::Skip)),
+        ("tool-compensation", Is::Position(PositionReference::Tool)),
+        ("wear-compensation", Is::Position(PositionReference::Wear)),
+        ("geometry-compensation", Is::Position(PositionReference::Geometry)),
+        ("zero", Is::Position(PositionReference::Zero)),
         ("work-offset", Is::WorkOffset),
         ("tool-geometry", Is::ToolOffset(false)),
         ("tool-wear", Is::ToolOffset(true)),
@@ -198,12 +198,12 @@ fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
         }
         Is::ToolOffset(wear) => {
             let columns = [
-                ("X", Column::Axis(0)),
-                ("Y", Column::Axis(1)),
-                ("Z", Column::Axis(2)),
-                ("radius", Column::Radius),
-                ("diameter", Column::Diameter),
-                ("tip", Column::Tip),
+                ("X", OffsetColumn::Axis(0)),
+                ("Y", OffsetColumn::Axis(1)),
+                ("Z", OffsetColumn::Axis(2)),
+                ("radius", OffsetColumn::Radius),
+                ("diameter", OffsetColumn::Diameter),
+                ("tip", OffsetColumn::Tip),
             ];
             row.require("column", "what the offset says: an axis, the radius, the tip");
             (Means::ToolOffset(row.choice("column", &columns)?, wear), true)
@@ -220,7 +220,7 @@ fn role(letter: u8) -> u8 {
 }
 
 /// G number of every code that has one, ascending.
-fn words(codes: &[CodeRow], registers: &Table<RegisterId, Register>) -> Vec<(crate::ident::CodeId, f64)> {
+fn words(codes: &[CodeRow], registers: &IdTable<RegisterId, Register>) -> Vec<(crate::ident::CodeId, f64)> {
     let mut words: Vec<(crate::ident::CodeId, f64)> = Vec::new();
     for row in codes.iter().filter(|row| row.enable) {
         let (CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. }) = row.form
@@ -244,7 +244,7 @@ fn every_control() -> Vec<SystemRow> {
         means,
         writable,
     };
-    let position = |first: u32, frame: Frame| row(first, first + 7, Means::Position(frame, None), false);
+    let position = |first: u32, frame: PositionReference| row(first, first + 7, Means::Position(frame, None), false);
     vec![
         row(3001, 3001, Means::Milliseconds, true),
         row(3002, 3002, Means::Hours, true),
@@ -254,9 +254,9 @@ fn every_control() -> Vec<SystemRow> {
         row(4109, 4109, Means::Address(vec![b'F']), false),
         row(4119, 4120, Means::Address(vec![b'S', b'T']), false),
         row(4130, 4130, Means::Address(vec![b'P']), false),
-        position(5001, Frame::BlockEnd),
-        position(5021, Frame::Machine),
-        position(5041, Frame::Work),
-        position(5061, Frame::Skip),
+        position(5001, PositionReference::BlockEnd),
+        position(5021, PositionReference::Machine),
+        position(5041, PositionReference::Work),
+        position(5061, PositionReference::Skip),
     ]
 }

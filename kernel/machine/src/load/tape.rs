@@ -2,10 +2,10 @@
 //!
 //! Invariant: every expression compiles. Facts: reference control-emulator.md 5.2.
 
-use counterpoint_lang::pattern::Pattern;
+use counterpoint_lang::pattern::TextPattern;
 
 use crate::model::TapeRule;
-use crate::toml::section::Section;
+use crate::toml::section::TableReader;
 
 /// Most rules of a machine.
 const MOST: usize = 256;
@@ -14,7 +14,7 @@ const MOST: usize = 256;
 const LONGEST: usize = 1000;
 
 /// Reads the rules in file order.
-pub(super) fn read(top: &mut Section<'_>) -> Vec<TapeRule> {
+pub(super) fn read(top: &mut TableReader<'_>) -> Vec<TapeRule> {
     let mut rules = Vec::new();
     for mut row in top.rows("tape_editor", "[[tape_editor]]", MOST) {
         row.require("find", "an expression in the dialect of ed");
@@ -27,7 +27,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Vec<TapeRule> {
                 row.error(key, format!("`{key}` must be one line of up to {LONGEST} characters"));
             }
         }
-        if let Err(fault) = Pattern::new(&find) {
+        if let Err(fault) = TextPattern::new(&find) {
             row.error("find", format!("\"{}\" is not a valid expression: {}", find.escape_debug(), fault.message));
         }
         rules.push(TapeRule { find, replace, on, words, line: row.place().line, file: row.place().file.to_string() });

@@ -14,7 +14,7 @@ mod questionnaire;
 mod shipped;
 
 use super::*;
-use counterpoint_ports::files::Memory;
+use counterpoint_ports::files::MemoryFiles;
 
 /// A small machine without family; cases are written before or after it.
 pub(super) const BASE: &str = r#"
@@ -58,7 +58,7 @@ axes = ["X1"]
 "#;
 
 pub(super) fn load_text(text: &str) -> Loaded {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", text);
     load(&files, "m")
 }

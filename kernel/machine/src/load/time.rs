@@ -3,14 +3,14 @@
 //! Invariant: an M number with a time has a code row of its own that carries it.
 
 use super::digits;
-use super::names::Names;
+use super::names::NameRegistry;
 use crate::ident::{self, codes, data};
 use crate::index::RegisterId;
 use crate::model::{RapidPath, Time};
-use crate::rows::{CodeForm, CodeRow, Modality, Overlap};
+use crate::rows::{CodeForm, CodeRow, Modality, TimeOverlap};
 use crate::tables::form_range;
-use crate::toml::node::{Entry, Value};
-use crate::toml::section::{Section, number};
+use crate::toml::node::{TomlEntry, TomlValue};
+use crate::toml::section::{TableReader, number};
 
 /// Moves that a control plans at a time if its machine does not say.
 const LOOK_AHEAD: u32 = 100;
@@ -19,7 +19,7 @@ const LOOK_AHEAD: u32 = 100;
 const LARGEST: u32 = 99_999_999;
 
 /// Reads the section; times of M codes go to the code rows.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<CodeRow>) -> Time {
+pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, rows: &mut Vec<CodeRow>) -> Time {
     let mut time = Time {
         tool_change: 0.0,
         tool_step: 0.0,
@@ -45,13 +45,13 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
         if register.is_none() {
             names.check.missing(section.place_of("m_codes"), "`m_codes` needs a register M");
         }
-        let mut seen: Vec<(u32, &Entry)> = Vec::new();
+        let mut seen: Vec<(u32, &TomlEntry)> = Vec::new();
         for entry in &table.entries {
             let (Some((number, seconds, overlap)), Some(register)) = (read_entry(entry, names), register) else {
                 continue;
             };
             if let Some((_, other)) = seen.iter().find(|(known, _)| *known == number) {
-                let Entry { key, place, .. } = other;
+                let TomlEntry { key, place, .. } = other;
                 let text = format!(
                     "M{number} already has its seconds at {}:{} as \"{key}\"; one key for each M number is expected",
                     place.file, place.line
@@ -73,17 +73,17 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
 }
 
 /// `"3" = 1.5`, or `"3" = { seconds = 1.5, overlap = "rapids" }`.
-fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64, Overlap)> {
+fn read_entry(entry: &TomlEntry, names: &NameRegistry<'_>) -> Option<(u32, f64, TimeOverlap)> {
     let (seconds, overlap) = match &entry.node.value {
-        Value::Table(table) => {
-            let mut section = Section::new(table, entry.node.place.clone(), "a time of `m_codes`", names.check);
+        TomlValue::Table(table) => {
+            let mut section = TableReader::new(table, entry.node.place.clone(), "a time of `m_codes`", names.check);
             section.require("seconds", "the seconds of the M number");
             let seconds = section.at_least_zero("seconds");
-            let overlap = section.choice("overlap", &Overlap::WORDS).unwrap_or_default();
+            let overlap = section.choice("overlap", &TimeOverlap::WORDS).unwrap_or_default();
             section.finish();
             (seconds, overlap)
         }
-        _ => (number(&entry.node, &entry.key, names.check), Overlap::None),
+        _ => (number(&entry.node, &entry.key, names.check), TimeOverlap::None),
     };
     let m = entry.key.parse::<u32>().ok().filter(|m| *m <= LARGEST && !entry.key.starts_with('+'));
     if m.is_none() {
@@ -101,11 +101,11 @@ fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64, Overlap)> {
 
 /// Adds the seconds to the rows of the M number, or makes a row for it.
 fn give(
-    entry: &Entry,
+    entry: &TomlEntry,
     register: RegisterId,
     m: u32,
-    (seconds, overlap): (f64, Overlap),
-    names: &Names<'_>,
+    (seconds, overlap): (f64, TimeOverlap),
+    names: &NameRegistry<'_>,
     rows: &mut Vec<CodeRow>,
 ) {
     let value = f64::from(m);
@@ -136,7 +136,12 @@ fn give(
     }
 }
 
-fn function_row(entry: &Entry, register: RegisterId, value: f64, (seconds, overlap): (f64, Overlap)) -> CodeRow {
+fn function_row(
+    entry: &TomlEntry,
+    register: RegisterId,
+    value: f64,
+    (seconds, overlap): (f64, TimeOverlap),
+) -> CodeRow {
     CodeRow {
         id: codes::FUNCTION,
         form: CodeForm::RegisterAsData { register, min: value, max: value, data: data::FUNCTION },

@@ -3,10 +3,10 @@
 //! Invariant: every offset has one value per axis of the machine; tools and tool offsets are in ascending order.
 
 use super::values::{by_axis, some_by_axis};
-use crate::index::{AxisId, Table};
-use crate::model::{Axis, Tool, ToolFacts, ToolOffset};
-use crate::toml::check::Check;
-use crate::toml::section::Section;
+use crate::index::{AxisId, IdTable};
+use crate::model::{Axis, ToolFacts, ToolOffset, ToolSetup};
+use crate::toml::check::FindingCollector;
+use crate::toml::section::TableReader;
 
 /// Most offsets of a kind.
 const MOST: usize = 1000;
@@ -21,8 +21,8 @@ const LAST: i64 = 999_999;
 const STANDARD: usize = 6;
 
 /// Reads `[tool]`.
-pub(super) fn read(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Tool {
-    let mut tool = Tool { change_point: axes.map(|_, _| None), ..Tool::default() };
+pub(super) fn read(top: &mut TableReader<'_>, axes: &IdTable<AxisId, Axis>, check: &FindingCollector) -> ToolSetup {
+    let mut tool = ToolSetup { change_point: axes.map(|_, _| None), ..ToolSetup::default() };
     let Some(mut section) = top.table("tool", "[tool]") else { return tool };
     tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
     tool.change_point = some_by_axis(&mut section, "change_position", axes, check);
@@ -69,7 +69,7 @@ pub(super) fn read(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Ch
     tool
 }
 
-fn read_data(row: &mut Section<'_>) -> Option<ToolFacts> {
+fn read_data(row: &mut TableReader<'_>) -> Option<ToolFacts> {
     row.require("number", "a whole number from 1 to 99999999");
     let number = row.integer("number", 1..=99_999_999).map(|number| number as u32);
     let name = row.name("name", LONGEST_NAME).unwrap_or_default().to_owned();
@@ -78,7 +78,11 @@ fn read_data(row: &mut Section<'_>) -> Option<ToolFacts> {
     Some(ToolFacts { number: number?, name, diameter, radius, length, offset })
 }
 
-fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Option<ToolOffset> {
+fn read_offset(
+    row: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) -> Option<ToolOffset> {
     row.require("number", "a whole number from 1 to 999999");
     let number = row.integer("number", 1..=LAST).map(|number| number as u32);
     let radius = row.at_least_zero("radius").unwrap_or(0.0);
@@ -90,7 +94,11 @@ fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check)
 }
 
 /// Reads `[[work_offsets]]`: G54 first, the part zero of the axes where the file says nothing.
-pub(super) fn read_work(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Vec<Table<AxisId, f64>> {
+pub(super) fn read_work(
+    top: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) -> Vec<IdTable<AxisId, f64>> {
     let unset = axes.map(|_, axis| axis.positioning.part_zero);
     let mut offsets = vec![unset.clone(); STANDARD];
     let mut seen: Vec<i64> = Vec::new();

@@ -4,20 +4,20 @@
 //! so a machine with another unit does not inherit it: G20 never selects millimetres by accident.
 
 use crate::ident::codes;
-use crate::toml::check::Check;
-use crate::toml::node::{Node, Table, Value};
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{Node, TomlTable, TomlValue};
 
 /// Codes that select a unit.
 const UNITS: [crate::ident::CodeId; 3] = [codes::UNITS_PRIMARY, codes::UNITS_SECONDARY, codes::UNITS_SECONDARY_LENGTHS];
 
 /// Reports rows of the units that a machine has from a family in another unit.
-pub(super) fn check_units(family: &Table, own: &Table, check: &Check) {
+pub(super) fn check_units(family: &TomlTable, own: &TomlTable, check: &FindingCollector) {
     let Some(wanted) = unit(own).filter(|wanted| unit_text(Some(wanted)) != unit_text(unit(family))) else { return };
     let system = [own, family].iter().find_map(|table| section(table, "control")?.text("system")).unwrap_or("A");
     let own: Vec<_> = rows(own).filter_map(name).collect();
-    let kept = |row: &&Table| {
+    let kept = |row: &&TomlTable| {
         let selects = row.text("id").and_then(crate::ident::code).is_some_and(|id| UNITS.contains(&id));
-        let enabled = !matches!(row.get("enable").map(|node| &node.value), Some(Value::Flag(false)));
+        let enabled = !matches!(row.get("enable").map(|node| &node.value), Some(TomlValue::Flag(false)));
         selects && enabled && is_in_system(row, system) && name(row).is_none_or(|name| !own.contains(&name))
     };
     let mut words: Vec<&str> = Vec::new();
@@ -40,39 +40,39 @@ pub(super) fn check_units(family: &Table, own: &Table, check: &Check) {
     check.error(&wanted.place, text);
 }
 
-fn section<'t>(table: &'t Table, name: &str) -> Option<&'t Table> {
-    if let Value::Table(section) = &table.get(name)?.value { Some(section) } else { None }
+fn section<'t>(table: &'t TomlTable, name: &str) -> Option<&'t TomlTable> {
+    if let TomlValue::Table(section) = &table.get(name)?.value { Some(section) } else { None }
 }
 
-fn unit(table: &Table) -> Option<&Node> {
+fn unit(table: &TomlTable) -> Option<&Node> {
     section(table, "ce")?.get("units")
 }
 
 fn unit_text(unit: Option<&Node>) -> &str {
     match unit.map(|node| &node.value) {
-        Some(Value::Text(text)) => text,
+        Some(TomlValue::Text(text)) => text,
         _ => "mm",
     }
 }
 
-fn rows(table: &Table) -> impl Iterator<Item = &Table> {
+fn rows(table: &TomlTable) -> impl Iterator<Item = &TomlTable> {
     let rows = match table.get("codes").map(|node| &node.value) {
-        Some(Value::Array(rows)) => rows.as_slice(),
+        Some(TomlValue::Array(rows)) => rows.as_slice(),
         _ => &[],
     };
-    rows.iter().filter_map(|row| if let Value::Table(row) = &row.value { Some(row) } else { None })
+    rows.iter().filter_map(|row| if let TomlValue::Table(row) = &row.value { Some(row) } else { None })
 }
 
 /// Whether the row is one of the machine's system of G codes.
-fn is_in_system(row: &Table, system: &str) -> bool {
+fn is_in_system(row: &TomlTable, system: &str) -> bool {
     match row.get("systems").map(|node| &node.value) {
-        Some(Value::Array(systems)) => {
-            systems.iter().any(|known| matches!(&known.value, Value::Text(known) if known == system))
+        Some(TomlValue::Array(systems)) => {
+            systems.iter().any(|known| matches!(&known.value, TomlValue::Text(known) if known == system))
         }
         _ => true,
     }
 }
 
-fn name(row: &Table) -> Option<String> {
+fn name(row: &TomlTable) -> Option<String> {
     super::row_name::row_name("codes", row)
 }

@@ -2,14 +2,14 @@
 //!
 //! Invariant: a list of values by axis has one number per axis of the machine.
 
-use crate::index::{AxisId, Table};
+use crate::index::{AxisId, IdTable};
 use crate::model::Axis;
-use crate::toml::check::Check;
-use crate::toml::section::{Section, number};
+use crate::toml::check::FindingCollector;
+use crate::toml::section::{TableReader, number};
 use crate::toml::suggest::did_you_mean;
 
 /// `mul`, not zero.
-pub(super) fn factor(section: &mut Section<'_>) -> f64 {
+pub(super) fn factor(section: &mut TableReader<'_>) -> f64 {
     let mul = section.number("mul").unwrap_or(1.0);
     if mul == 0.0 {
         section.error("mul", "`mul` must not be zero");
@@ -19,17 +19,21 @@ pub(super) fn factor(section: &mut Section<'_>) -> f64 {
 }
 
 /// `values = { X1 = …, Z1 = … }`: one value per axis of the machine, 0 where none is given.
-pub(super) fn by_axis(section: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Table<AxisId, f64> {
+pub(super) fn by_axis(
+    section: &mut TableReader<'_>,
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) -> IdTable<AxisId, f64> {
     some_by_axis(section, "values", axes, check).map(|_, value| value.unwrap_or_default())
 }
 
 /// The values of a key by axis name, none where none is given.
 pub(super) fn some_by_axis(
-    section: &mut Section<'_>,
+    section: &mut TableReader<'_>,
     key: &'static str,
-    axes: &Table<AxisId, Axis>,
-    check: &Check,
-) -> Table<AxisId, Option<f64>> {
+    axes: &IdTable<AxisId, Axis>,
+    check: &FindingCollector,
+) -> IdTable<AxisId, Option<f64>> {
     let mut values = axes.map(|_, _| None);
     let Some(table) = section.free_table(key) else { return values };
     for entry in &table.entries {

@@ -3,11 +3,11 @@
 //! Invariant: ranges run upwards, start at 100 and do not overlap. Facts: reference channel-synchronisation.md 1.3.
 
 use super::system_variables;
-use crate::model::{Externals, Variables};
+use crate::model::{Externals, ProgramVariables};
 use crate::system_variables::SystemVariables;
-use crate::toml::check::Check;
-use crate::toml::node::{Node, Value};
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{Node, TomlValue};
+use crate::toml::section::TableReader;
 
 /// First common variable; those below are local to a program.
 const FIRST: i64 = 100;
@@ -17,11 +17,12 @@ const LAST: i64 = 999_999;
 
 /// Reads the section.
 pub(super) fn read(
-    top: &mut Section<'_>,
+    top: &mut TableReader<'_>,
     (system, external): (SystemVariables, Externals),
-    check: &Check,
-) -> Variables {
-    let mut variables = Variables { shared: Vec::new(), channel: Vec::new(), own_common: false, external, system };
+    check: &FindingCollector,
+) -> ProgramVariables {
+    let mut variables =
+        ProgramVariables { shared: Vec::new(), channel: Vec::new(), own_common: false, external, system };
     let Some(mut section) = top.table("variables", "[variables]") else { return variables };
     let mut taken: Vec<(u32, u32)> = Vec::new();
     variables.shared = ranges(&mut section, "shared", &mut taken, check);
@@ -34,7 +35,12 @@ pub(super) fn read(
     variables
 }
 
-fn ranges(section: &mut Section<'_>, key: &'static str, taken: &mut Vec<(u32, u32)>, check: &Check) -> Vec<(u32, u32)> {
+fn ranges(
+    section: &mut TableReader<'_>,
+    key: &'static str,
+    taken: &mut Vec<(u32, u32)>,
+    check: &FindingCollector,
+) -> Vec<(u32, u32)> {
     let mut ranges = Vec::new();
     for item in section.list(key).unwrap_or_default() {
         let Some((first, last)) = range(item) else {
@@ -52,9 +58,9 @@ fn ranges(section: &mut Section<'_>, key: &'static str, taken: &mut Vec<(u32, u3
 }
 
 fn range(item: &Node) -> Option<(u32, u32)> {
-    let Value::Array(ends) = &item.value else { return None };
+    let TomlValue::Array(ends) = &item.value else { return None };
     let [first, last] = ends.as_slice() else { return None };
-    let (Value::Integer(first), Value::Integer(last)) = (&first.value, &last.value) else { return None };
+    let (TomlValue::Integer(first), TomlValue::Integer(last)) = (&first.value, &last.value) else { return None };
     let valid = FIRST <= *first && first <= last && *last <= LAST;
     if valid { Some((u32::try_from(*first).ok()?, u32::try_from(*last).ok()?)) } else { None }
 }

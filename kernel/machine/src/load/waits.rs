@@ -7,12 +7,12 @@ use counterpoint_event::event::Primitive;
 
 use crate::ident::codes;
 use crate::index::RegisterId;
-use crate::model::{Mismatch, SignalRow, WaitAct, WaitRow};
+use crate::model::{MismatchRule, SignalRow, WaitAct, WaitRow};
 use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeForm, CodeRow, Register};
-use crate::toml::check::Check;
-use crate::toml::node::{Entry, Node, Place, Table, Value};
-use crate::toml::section::Section;
+use crate::toml::check::FindingCollector;
+use crate::toml::node::{DefinitionPlace, Node, TomlEntry, TomlTable, TomlValue};
+use crate::toml::section::TableReader;
 
 /// Most rows.
 const MOST: usize = 200;
@@ -27,47 +27,47 @@ const OF_CODES: [&str; 5] = ["word", "text", "with", "without", "ignores"];
 const FORMS: [&str; 4] = ["word", "text", "line_up", "statement"];
 
 /// Adds the rows of the code table that the words and texts of `[[waits]]` need.
-pub(super) fn expand(table: &mut Table) {
-    let Some(Value::Array(waits)) = table.get("waits").map(|node| &node.value) else { return };
+pub(super) fn expand(table: &mut TomlTable) {
+    let Some(TomlValue::Array(waits)) = table.get("waits").map(|node| &node.value) else { return };
     let made: Vec<Node> = waits.iter().filter_map(code_row).collect();
     let Some(place) = made.first().map(|row| row.place.clone()) else { return };
     if table.get("codes").is_none() {
-        table.entries.push(entry("codes", &place, Value::Array(Vec::new())));
+        table.entries.push(entry("codes", &place, TomlValue::Array(Vec::new())));
     }
     let codes = table.entries.iter_mut().find(|entry| entry.key == "codes").map(|entry| &mut entry.node.value);
-    if let Some(Value::Array(rows)) = codes {
+    if let Some(TomlValue::Array(rows)) = codes {
         rows.extend(made);
     }
 }
 
 fn code_row(wait: &Node) -> Option<Node> {
-    let Value::Table(table) = &wait.value else { return None };
+    let TomlValue::Table(table) = &wait.value else { return None };
     if ["word", "text", "line_up"].iter().all(|form| table.get(form).is_none()) {
         return None;
     }
-    let mut entries: Vec<Entry> =
+    let mut entries: Vec<TomlEntry> =
         table.entries.iter().filter(|entry| OF_CODES.contains(&entry.key.as_str())).cloned().collect();
     if let Some(mark) = table.get("line_up") {
         entries.push(entry("text", &mark.place, mark.value.clone()));
     }
-    entries.push(entry("id", &wait.place, Value::Text("CODE_SYNC_REG".to_owned())));
+    entries.push(entry("id", &wait.place, TomlValue::Text("CODE_SYNC_REG".to_owned())));
     if table.get("word").is_some() {
-        entries.push(entry("as_data", &wait.place, Value::Text("REG_SYNC".to_owned())));
+        entries.push(entry("as_data", &wait.place, TomlValue::Text("REG_SYNC".to_owned())));
     }
-    Some(Node { place: wait.place.clone(), value: Value::Table(Table { entries }) })
+    Some(Node { place: wait.place.clone(), value: TomlValue::Table(TomlTable { entries }) })
 }
 
-fn entry(key: &str, place: &Place, value: Value) -> Entry {
-    Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
+fn entry(key: &str, place: &DefinitionPlace, value: TomlValue) -> TomlEntry {
+    TomlEntry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
 }
 
 /// Reads the rows, which have their rows of the code table by now.
 pub(super) fn read(
-    top: &mut Section<'_>,
-    (rows, registers): (&[CodeRow], &crate::index::Table<RegisterId, Register>),
+    top: &mut TableReader<'_>,
+    (rows, registers): (&[CodeRow], &crate::index::IdTable<RegisterId, Register>),
     (preprocessor, composite): (Preprocessor, bool),
     channels: usize,
-    check: &Check,
+    check: &FindingCollector,
 ) -> Vec<WaitRow> {
     let mut waits = Vec::new();
     // A family may have rows for machines with several channels.
@@ -96,7 +96,7 @@ pub(super) fn read(
 }
 
 /// Name of a statement of the pre-processor, in capitals. Of a composite machine and its components one may have it.
-fn statement(section: &mut Section<'_>, preprocessor: Preprocessor, composite: bool) -> Option<String> {
+fn statement(section: &mut TableReader<'_>, preprocessor: Preprocessor, composite: bool) -> Option<String> {
     let name = section.name("statement", 32)?.to_ascii_uppercase();
     if OF_CODES.iter().any(|key| section.node(key).is_some()) {
         section.error("statement", "a row with `statement` cannot have `word`, `text` or a condition of a code");
@@ -109,7 +109,7 @@ fn statement(section: &mut Section<'_>, preprocessor: Preprocessor, composite: b
     Some(name)
 }
 
-fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<WaitRow> {
+fn read_row(section: &mut TableReader<'_>, keys: bool, check: &FindingCollector) -> Option<WaitRow> {
     if FORMS.iter().all(|form| section.node(form).is_none()) {
         check
             .error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\"), `text`, `line_up` or `statement`");
@@ -141,8 +141,8 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
     let highest = section.integer("highest", 0..=i64::from(HIGHEST)).map_or(HIGHEST, |highest| highest as u32);
     let need = section.integer("need", 1..=99).unwrap_or(0) as u16;
     let absent = section.choice("absent", &[("missed", false), ("counts", true)]);
-    let mismatches = [("free", Mismatch::Free), ("fanuc", Mismatch::Fanuc), ("siemens", Mismatch::Siemens)];
-    let mismatch = section.choice("mismatch", &mismatches).unwrap_or(Mismatch::Free);
+    let mismatches = [("free", MismatchRule::Free), ("fanuc", MismatchRule::Fanuc), ("siemens", MismatchRule::Siemens)];
+    let mismatch = section.choice("mismatch", &mismatches).unwrap_or(MismatchRule::Free);
     let met_by = section.choice("met_by", &[("order", Primitive::Order)]);
     let line_up = section.name("line_up", 1).filter(|mark| line_up_mark(section, mark));
     let signals = signals(section, keys);
@@ -170,7 +170,7 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
 }
 
 /// The data of a row about signals.
-fn signals(section: &mut Section<'_>, keys: bool) -> SignalRow {
+fn signals(section: &mut TableReader<'_>, keys: bool) -> SignalRow {
     let stays = section.choice("broadcast", &[("each", false), ("stays", true)]).unwrap_or(false);
     let in_order = section.flag("in_order").unwrap_or(false);
     let keys = keys && section.node("statement").is_some();
@@ -184,7 +184,7 @@ fn signals(section: &mut Section<'_>, keys: bool) -> SignalRow {
 }
 
 /// A mark that words begin with at which systems line up, if it can be one.
-fn line_up_mark(section: &mut Section<'_>, mark: &str) -> bool {
+fn line_up_mark(section: &mut TableReader<'_>, mark: &str) -> bool {
     let good = mark.bytes().all(|byte| byte.is_ascii_punctuation()) && !mark.is_empty();
     if !good {
         section.error("line_up", "`line_up` is one character that is neither a letter nor a digit");
@@ -196,7 +196,11 @@ fn line_up_mark(section: &mut Section<'_>, mark: &str) -> bool {
 }
 
 /// Keys that do not go together.
-fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch): (Primitive, WaitAct, Mismatch)) {
+fn check_row(
+    section: &mut TableReader<'_>,
+    check: &FindingCollector,
+    (primitive, act, mismatch): (Primitive, WaitAct, MismatchRule),
+) {
     let fits = match act {
         WaitAct::Wait => true,
         WaitAct::Set | WaitAct::Clear => primitive == Primitive::Flag,
@@ -211,9 +215,9 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
         section.error("act", text);
     }
     let fits = match mismatch {
-        Mismatch::Free => true,
-        Mismatch::Fanuc => primitive == Primitive::Barrier,
-        Mismatch::Siemens => primitive == Primitive::Flag,
+        MismatchRule::Free => true,
+        MismatchRule::Fanuc => primitive == Primitive::Barrier,
+        MismatchRule::Siemens => primitive == Primitive::Flag,
     };
     if !fits {
         section.error("mismatch", "\"fanuc\" is a rule for barriers, \"siemens\" one for flags");
@@ -242,7 +246,7 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
 }
 
 /// The text, or the letters of the word.
-fn word(form: &CodeForm, registers: &crate::index::Table<RegisterId, Register>) -> String {
+fn word(form: &CodeForm, registers: &crate::index::IdTable<RegisterId, Register>) -> String {
     match form {
         CodeForm::Text(text) => text.clone(),
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {

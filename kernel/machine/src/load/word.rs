@@ -3,7 +3,7 @@
 //! Invariant: a range runs upwards, has at most one decimal, and decimals only below 1000. Facts: reference
 //! control-emulator.md 1.2.
 
-use crate::index::{RegisterId, Table};
+use crate::index::{IdTable, RegisterId};
 use crate::rows::Register;
 
 /// Largest code number.
@@ -11,7 +11,7 @@ const LARGEST: f64 = 99_999_999.0;
 
 /// A code word.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Word {
+pub(super) struct CodeWord {
     /// Its register.
     pub(super) register: RegisterId,
     /// Smallest value.
@@ -22,7 +22,7 @@ pub(super) struct Word {
 
 /// Why a text is not a code word.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Wrong {
+pub(super) enum CodeWordError {
     /// It starts with no register; the letters are given.
     Register(String),
     /// Something else.
@@ -30,7 +30,7 @@ pub(super) enum Wrong {
 }
 
 /// Reads a code word.
-pub(super) fn parse(word: &str, registers: &Table<RegisterId, Register>) -> Result<Word, Wrong> {
+pub(super) fn parse(word: &str, registers: &IdTable<RegisterId, Register>) -> Result<CodeWord, CodeWordError> {
     let (register, rest) = split(word, registers)?;
     let (first, second) = match rest.split_once('-') {
         None => (rest, rest),
@@ -46,21 +46,21 @@ pub(super) fn parse(word: &str, registers: &Table<RegisterId, Register>) -> Resu
     if min > max {
         return Err(form(word, "the range must run upwards"));
     }
-    Ok(Word { register, min, max })
+    Ok(CodeWord { register, min, max })
 }
 
-fn split<'w>(word: &'w str, registers: &Table<RegisterId, Register>) -> Result<(RegisterId, &'w str), Wrong> {
+fn split<'w>(word: &'w str, registers: &IdTable<RegisterId, Register>) -> Result<(RegisterId, &'w str), CodeWordError> {
     let longest = registers
         .entries()
         .filter_map(|(id, register)| Some((register.name.len(), id, word.strip_prefix(register.name.as_str())?)))
         .max_by_key(|(length, _, _)| *length);
     longest.map(|(_, id, rest)| (id, rest)).ok_or_else(|| {
         let letters: String = word.chars().take_while(|c| !c.is_ascii_digit() && *c != '-').collect();
-        Wrong::Register(letters)
+        CodeWordError::Register(letters)
     })
 }
 
-fn value(word: &str, digits: &str) -> Result<f64, Wrong> {
+fn value(word: &str, digits: &str) -> Result<f64, CodeWordError> {
     let (whole, decimal) = digits.split_once('.').unwrap_or((digits, "0"));
     let plain = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     if !plain(whole) || !plain(decimal) {
@@ -79,6 +79,6 @@ fn value(word: &str, digits: &str) -> Result<f64, Wrong> {
     Ok(value)
 }
 
-fn form(word: &str, why: &str) -> Wrong {
-    Wrong::Form(format!("\"{}\" is not a code word: {why}", word.escape_debug()))
+fn form(word: &str, why: &str) -> CodeWordError {
+    CodeWordError::Form(format!("\"{}\" is not a code word: {why}", word.escape_debug()))
 }

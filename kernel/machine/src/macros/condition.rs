@@ -8,7 +8,7 @@ use crate::ident::{CodeId, DataId};
 
 /// An identifier that may be in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Item {
+pub enum BlockIdentifier {
     /// A code.
     Code(CodeId),
     /// Data.
@@ -17,9 +17,9 @@ pub enum Item {
 
 /// Step of a hand-written condition, in postfix order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum ConditionStep {
     /// The identifier is in the block.
-    Present(Item),
+    Present(BlockIdentifier),
     /// Both of the last two hold.
     And,
     /// One of the last two holds.
@@ -28,19 +28,19 @@ pub enum Step {
 
 /// Conditions besides the triggering identifier.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Condition {
+pub struct MacroCondition {
     /// All of these are in the block.
-    pub present: Vec<Item>,
+    pub present: Vec<BlockIdentifier>,
     /// None of these is in the block.
-    pub absent: Vec<Item>,
+    pub absent: Vec<BlockIdentifier>,
     /// Hand-written condition, empty for none.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ConditionStep>,
 }
 
 /// Most names in a hand-written condition.
 const MOST: usize = 60;
 
-impl Condition {
+impl MacroCondition {
     /// Whether nothing is asked.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -48,20 +48,20 @@ impl Condition {
     }
 
     /// Tests it in a block.
-    pub fn holds(&self, mut on_block: impl FnMut(Item) -> bool) -> bool {
+    pub fn holds(&self, mut on_block: impl FnMut(BlockIdentifier) -> bool) -> bool {
         self.present.iter().all(|&item| on_block(item))
             && !self.absent.iter().any(|&item| on_block(item))
             && (self.steps.is_empty() || self.evaluate(&mut on_block))
     }
 
     /// The stack is one bit for each value.
-    fn evaluate(&self, on_block: &mut impl FnMut(Item) -> bool) -> bool {
+    fn evaluate(&self, on_block: &mut impl FnMut(BlockIdentifier) -> bool) -> bool {
         let mut stack = 0_u64;
         for step in &self.steps {
             match step {
-                Step::Present(item) => stack = stack << 1 | u64::from(on_block(*item)),
-                Step::And => stack = stack >> 1 & (stack & 1 | !1),
-                Step::Or => stack = stack >> 1 | stack & 1,
+                ConditionStep::Present(item) => stack = stack << 1 | u64::from(on_block(*item)),
+                ConditionStep::And => stack = stack >> 1 & (stack & 1 | !1),
+                ConditionStep::Or => stack = stack >> 1 | stack & 1,
             }
         }
         stack & 1 == 1
@@ -72,8 +72,8 @@ impl Condition {
 ///
 /// # Errors
 /// The text cannot be read; contains the expected input.
-pub fn parse(text: &str, find: impl FnMut(&str) -> Option<Item>) -> Result<Vec<Step>, String> {
-    let mut parser = Parser { tokens: tokens(text)?, at: 0, steps: Vec::new(), names: 0, depth: 0, find };
+pub fn parse(text: &str, find: impl FnMut(&str) -> Option<BlockIdentifier>) -> Result<Vec<ConditionStep>, String> {
+    let mut parser = ConditionParser { tokens: tokens(text)?, at: 0, steps: Vec::new(), names: 0, depth: 0, find };
     parser.either()?;
     match parser.tokens.get(parser.at) {
         None => Ok(parser.steps),
@@ -82,7 +82,7 @@ pub fn parse(text: &str, find: impl FnMut(&str) -> Option<Item>) -> Result<Vec<S
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Token {
+enum ConditionToken {
     Open,
     Close,
     And,
@@ -90,19 +90,19 @@ enum Token {
     Name(String),
 }
 
-impl Token {
+impl ConditionToken {
     fn text(&self) -> &str {
         match self {
-            Token::Open => "(",
-            Token::Close => ")",
-            Token::And => "AND",
-            Token::Or => "OR",
-            Token::Name(name) => name,
+            ConditionToken::Open => "(",
+            ConditionToken::Close => ")",
+            ConditionToken::And => "AND",
+            ConditionToken::Or => "OR",
+            ConditionToken::Name(name) => name,
         }
     }
 }
 
-fn tokens(text: &str) -> Result<Vec<Token>, String> {
+fn tokens(text: &str) -> Result<Vec<ConditionToken>, String> {
     let upper = text.to_ascii_uppercase();
     let mut rest = upper.as_str();
     let mut tokens = Vec::new();
@@ -110,12 +110,12 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
         rest = rest.trim_start();
         let Some(first) = rest.chars().next() else { return Ok(tokens) };
         let signs = [
-            ("(", Token::Open),
-            (")", Token::Close),
-            ("&&", Token::And),
-            ("||", Token::Or),
-            (".AND.", Token::And),
-            (".OR.", Token::Or),
+            ("(", ConditionToken::Open),
+            (")", ConditionToken::Close),
+            ("&&", ConditionToken::And),
+            ("||", ConditionToken::Or),
+            (".AND.", ConditionToken::And),
+            (".OR.", ConditionToken::Or),
         ];
         if let Some((sign, token)) = signs.into_iter().find(|(sign, _)| rest.starts_with(sign)) {
             tokens.push(token);
@@ -126,25 +126,25 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
         let (name, after) = rest.split_at_checked(length).unwrap_or((rest, ""));
         tokens.push(match name {
             "" => return Err(format!("`{}` has no meaning in a condition", first.escape_debug())),
-            "AND" => Token::And,
-            "OR" => Token::Or,
-            name => Token::Name(name.to_owned()),
+            "AND" => ConditionToken::And,
+            "OR" => ConditionToken::Or,
+            name => ConditionToken::Name(name.to_owned()),
         });
         rest = after;
     }
 }
 
-struct Parser<F> {
-    tokens: Vec<Token>,
+struct ConditionParser<F> {
+    tokens: Vec<ConditionToken>,
     at: usize,
-    steps: Vec<Step>,
+    steps: Vec<ConditionStep>,
     names: usize,
     depth: usize,
     find: F,
 }
 
-impl<F: FnMut(&str) -> Option<Item>> Parser<F> {
-    fn next_is(&mut self, token: &Token) -> bool {
+impl<F: FnMut(&str) -> Option<BlockIdentifier>> ConditionParser<F> {
+    fn next_is(&mut self, token: &ConditionToken) -> bool {
         let found = self.tokens.get(self.at) == Some(token);
         self.at += usize::from(found);
         found
@@ -152,18 +152,18 @@ impl<F: FnMut(&str) -> Option<Item>> Parser<F> {
 
     fn either(&mut self) -> Result<(), String> {
         self.both()?;
-        while self.next_is(&Token::Or) {
+        while self.next_is(&ConditionToken::Or) {
             self.both()?;
-            self.steps.push(Step::Or);
+            self.steps.push(ConditionStep::Or);
         }
         Ok(())
     }
 
     fn both(&mut self) -> Result<(), String> {
         self.one()?;
-        while self.next_is(&Token::And) {
+        while self.next_is(&ConditionToken::And) {
             self.one()?;
-            self.steps.push(Step::And);
+            self.steps.push(ConditionStep::And);
         }
         Ok(())
     }
@@ -172,25 +172,29 @@ impl<F: FnMut(&str) -> Option<Item>> Parser<F> {
         let token = self.tokens.get(self.at).cloned();
         self.at += 1;
         match token {
-            Some(Token::Open) => {
+            Some(ConditionToken::Open) => {
                 self.depth += 1;
                 if self.depth > MOST {
                     return Err(format!("more than {MOST} parentheses are open"));
                 }
                 self.either()?;
                 self.depth -= 1;
-                if self.next_is(&Token::Close) { Ok(()) } else { Err("a parenthesis is not closed".to_owned()) }
+                if self.next_is(&ConditionToken::Close) {
+                    Ok(())
+                } else {
+                    Err("a parenthesis is not closed".to_owned())
+                }
             }
-            Some(Token::Name(name)) => {
+            Some(ConditionToken::Name(name)) => {
                 self.names += 1;
                 if self.names > MOST {
                     return Err(format!("more than {MOST} identifiers"));
                 }
                 if let Some(item) = (self.find)(&name) {
-                    self.steps.push(Step::Present(item));
+                    self.steps.push(ConditionStep::Present(item));
                 } else {
                     // Reported already; any identifier keeps the rest readable.
-                    self.steps.push(Step::Present(Item::Code(crate::ident::codes::COMMENT)));
+                    self.steps.push(ConditionStep::Present(BlockIdentifier::Code(crate::ident::codes::COMMENT)));
                 }
                 Ok(())
             }
@@ -204,15 +208,15 @@ impl<F: FnMut(&str) -> Option<Item>> Parser<F> {
 mod tests {
     use super::*;
 
-    fn steps(text: &str) -> Result<Vec<Step>, String> {
-        parse(text, |name| Some(Item::Data(DataId::built_in(u16::from(name.as_bytes()[0] - b'A')))))
+    fn steps(text: &str) -> Result<Vec<ConditionStep>, String> {
+        parse(text, |name| Some(BlockIdentifier::Data(DataId::built_in(u16::from(name.as_bytes()[0] - b'A')))))
     }
 
     fn holds(text: &str, present: &str) -> bool {
-        let condition = Condition { steps: steps(text).unwrap(), ..Condition::default() };
+        let condition = MacroCondition { steps: steps(text).unwrap(), ..MacroCondition::default() };
         condition.holds(|item| match item {
-            Item::Data(id) => present.contains(char::from(b'A' + id.index() as u8)),
-            Item::Code(_) => false,
+            BlockIdentifier::Data(id) => present.contains(char::from(b'A' + id.index() as u8)),
+            BlockIdentifier::Code(_) => false,
         })
     }
 
@@ -231,9 +235,10 @@ mod tests {
 
     #[test]
     fn lists_must_all_hold() {
-        let item = |at| Item::Data(DataId::built_in(at));
-        let condition = Condition { present: vec![item(0), item(1)], absent: vec![item(2)], steps: vec![] };
-        let test = |on: &[usize]| condition.holds(|i| matches!(i, Item::Data(id) if on.contains(&id.index())));
+        let item = |at| BlockIdentifier::Data(DataId::built_in(at));
+        let condition = MacroCondition { present: vec![item(0), item(1)], absent: vec![item(2)], steps: vec![] };
+        let test =
+            |on: &[usize]| condition.holds(|i| matches!(i, BlockIdentifier::Data(id) if on.contains(&id.index())));
         assert_eq!([test(&[0, 1]), test(&[0]), test(&[0, 1, 2])], [true, false, false]);
     }
 

@@ -5,30 +5,30 @@
 
 use std::sync::OnceLock;
 
-use counterpoint_lang::host::{Environment, SystemVariable};
-use counterpoint_lang::source::Source;
+use counterpoint_lang::host::{CompileEnvironment, SystemVariable};
+use counterpoint_lang::source::MacroSource;
 
 use super::{identifiers, system};
 use crate::ident::{CodeId, DataId, Name};
-use crate::index::Table;
+use crate::index::IdTable;
 use crate::stored::StoredFile;
-use counterpoint_ports::files::Files;
+use counterpoint_ports::files::JobFiles;
 
 /// The facts of one machine for the compiler.
 pub struct MachineEnvironment<'a> {
     /// Names of all codes.
-    pub codes: &'a Table<CodeId, Name>,
+    pub codes: &'a IdTable<CodeId, Name>,
     /// Names of all data.
-    pub data: &'a Table<DataId, Name>,
+    pub data: &'a IdTable<DataId, Name>,
     /// Files that may be included, none while a program runs.
-    pub files: Option<&'a dyn Files>,
+    pub files: Option<&'a dyn JobFiles>,
     /// Files stored with the machine, which may be included as `//ICAMFS/…`.
     pub stored: &'a [StoredFile],
 }
 
 fn symbols() -> &'static [SystemVariable] {
     static SYMBOLS: OnceLock<Vec<SystemVariable>> = OnceLock::new();
-    SYMBOLS.get_or_init(|| system::table().iter().map(system::Variable::symbol).collect())
+    SYMBOLS.get_or_init(|| system::table().iter().map(system::ControlVariable::symbol).collect())
 }
 
 fn own(names: &[Name], name: &str) -> Option<u32> {
@@ -36,7 +36,7 @@ fn own(names: &[Name], name: &str) -> Option<u32> {
     u32::try_from(at + 1).ok()
 }
 
-impl Environment for MachineEnvironment<'_> {
+impl CompileEnvironment for MachineEnvironment<'_> {
     fn system(&self) -> &[SystemVariable] {
         symbols()
     }
@@ -57,14 +57,14 @@ impl Environment for MachineEnvironment<'_> {
         system::product_of(name)
     }
 
-    fn include(&mut self, name: &str, from: &str) -> Option<Source> {
+    fn include(&mut self, name: &str, from: &str) -> Option<MacroSource> {
         if name.get(..StoredFile::ROOT.len()).is_some_and(|root| root.eq_ignore_ascii_case(StoredFile::ROOT)) {
             let bytes = StoredFile::find(self.stored, name)?;
-            return Some(Source::from_bytes(name, bytes));
+            return Some(MacroSource::from_bytes(name, bytes));
         }
         let path = beside(from, name)?;
         let bytes = self.files?.read(&path).ok()?;
-        Some(Source::from_bytes(path, &bytes))
+        Some(MacroSource::from_bytes(path, &bytes))
     }
 }
 

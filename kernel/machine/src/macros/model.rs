@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::compile::{self, Program, Strong};
+use counterpoint_lang::compile::{self, DeclarationStrictness, MacroProgram};
 
-use super::condition::{Condition, Item};
+use super::condition::{BlockIdentifier, MacroCondition};
 use super::environment::MachineEnvironment;
 use crate::ident::{CodeId, DataId};
-use crate::index::{CodeMacroId, DataMacroId, Table};
+use crate::index::{CodeMacroId, DataMacroId, IdTable};
 use counterpoint_event::Letters;
 
 /// A place of the run where one macro may stand.
@@ -149,7 +149,7 @@ impl Hook {
 
 /// A code or data macro.
 #[derive(Debug, Clone)]
-pub struct Named {
+pub struct TriggeredMacro {
     /// Number by which macros switch it, 1 to 8999, unique among code and data macros.
     pub id: u32,
     /// Name for people.
@@ -159,9 +159,9 @@ pub struct Named {
     /// Index in the program.
     pub code: u16,
     /// Identifiers that fire it, as the machine file lists them.
-    pub matches: Vec<Item>,
+    pub matches: Vec<BlockIdentifier>,
     /// Conditions besides a matching identifier.
-    pub condition: Condition,
+    pub condition: MacroCondition,
 }
 
 impl Macros {
@@ -178,12 +178,12 @@ impl Macros {
     }
 
     /// The code macro with this code.
-    pub fn code_macro(&self, code: u16) -> Option<&Named> {
+    pub fn code_macro(&self, code: u16) -> Option<&TriggeredMacro> {
         self.codes.iter().find(|named| named.code == code)
     }
 
     /// The program that kernels run: with trace instructions only if macros are to be traced.
-    pub fn program_for(&self, mut environment: MachineEnvironment<'_>, letters: Letters) -> Arc<Program> {
+    pub fn program_for(&self, mut environment: MachineEnvironment<'_>, letters: Letters) -> Arc<MacroProgram> {
         if !letters.has('M') && !letters.has('H') {
             return Arc::clone(&self.program);
         }
@@ -195,19 +195,19 @@ impl Macros {
 #[derive(Debug, Clone, Default)]
 pub struct Macros {
     /// Compiled code.
-    pub program: Arc<Program>,
+    pub program: Arc<MacroProgram>,
     /// Which names had to be declared.
-    pub strong: Strong,
+    pub strong: DeclarationStrictness,
     /// Macro of each hook.
     pub hooks: [Option<u16>; HOOKS],
     /// Code macros in list order.
-    pub codes: Table<CodeMacroId, Named>,
+    pub codes: IdTable<CodeMacroId, TriggeredMacro>,
     /// Data macros in list order.
-    pub data: Table<DataMacroId, Named>,
+    pub data: IdTable<DataMacroId, TriggeredMacro>,
     /// Code macros of each code identifier, in list order.
-    pub of_code: Table<CodeId, Vec<CodeMacroId>>,
+    pub of_code: IdTable<CodeId, Vec<CodeMacroId>>,
     /// Data macros of each data identifier, in list order.
-    pub of_data: Table<DataId, Vec<DataMacroId>>,
+    pub of_data: IdTable<DataId, Vec<DataMacroId>>,
 }
 
 impl Macros {

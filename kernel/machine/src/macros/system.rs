@@ -9,13 +9,13 @@ use std::sync::OnceLock;
 
 use counterpoint_lang::host::SystemVariable;
 use counterpoint_lang::ident;
-use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::value::{MacroValue, ValueType};
 
 use super::pattern::expand;
 
 /// Access of programs to a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
+pub enum ControlVariableAccess {
     /// Not assignable.
     Read,
     /// Every macro.
@@ -26,26 +26,26 @@ pub enum Access {
 
 /// A system variable.
 #[derive(Debug, Clone)]
-pub struct Variable {
+pub struct ControlVariable {
     /// Name with its dollar sign, upper case.
     pub name: String,
     /// Type, none if it may vary.
-    pub kind: Option<Kind>,
+    pub kind: Option<ValueType>,
     /// Largest value of each index, none without a limit; empty for a single value.
     pub indices: Vec<Option<u32>>,
     /// Access of programs to it.
-    pub access: Access,
+    pub access: ControlVariableAccess,
     /// Its owner.
     pub category: &'static str,
     /// Value before anything sets it.
-    pub first: Value,
+    pub first: MacroValue,
     /// Smallest and largest number that may be written.
     pub range: Option<(f64, f64)>,
     /// A description in one sentence.
     pub about: &'static str,
 }
 
-impl Variable {
+impl ControlVariable {
     /// Name with the largest indices, as `$TLTAB(1..50,1..200)`.
     #[must_use]
     pub fn form(&self) -> String {
@@ -63,15 +63,15 @@ impl Variable {
         SystemVariable {
             name: self.name.clone(),
             kind: self.kind,
-            writable: self.access != Access::Read,
+            writable: self.access != ControlVariableAccess::Read,
             indices: u8::try_from(self.indices.len()).unwrap_or(u8::MAX),
         }
     }
 }
 
 /// All system variables.
-pub fn table() -> &'static [Variable] {
-    static TABLE: OnceLock<Vec<Variable>> = OnceLock::new();
+pub fn table() -> &'static [ControlVariable] {
+    static TABLE: OnceLock<Vec<ControlVariable>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let lines = include_str!("system.tsv").lines().filter(|line| !line.starts_with('#'));
         lines.filter_map(row).flatten().collect()
@@ -80,28 +80,28 @@ pub fn table() -> &'static [Variable] {
 
 /// The variable with this name, upper case.
 #[must_use]
-pub fn find(name: &str) -> Option<&'static Variable> {
-    static NAMES: OnceLock<HashMap<&'static str, &'static Variable>> = OnceLock::new();
+pub fn find(name: &str) -> Option<&'static ControlVariable> {
+    static NAMES: OnceLock<HashMap<&'static str, &'static ControlVariable>> = OnceLock::new();
     NAMES.get_or_init(|| table().iter().map(|variable| (variable.name.as_str(), variable)).collect()).get(name).copied()
 }
 
-fn row(line: &'static str) -> Option<Vec<Variable>> {
+fn row(line: &'static str) -> Option<Vec<ControlVariable>> {
     let columns: Vec<&str> = line.split('\t').collect();
     let [names, kind, indices, access, category, first, range, about] = *columns.as_slice() else { return None };
     let kind = match kind {
-        "N" => Some(Kind::Real),
-        "L" => Some(Kind::Logical),
-        "S" => Some(Kind::Text),
-        "Q" => Some(Kind::Sequence),
-        "K" => Some(Kind::Keyword),
-        "C" => Some(Kind::Code),
+        "N" => Some(ValueType::Real),
+        "L" => Some(ValueType::Logical),
+        "S" => Some(ValueType::Text),
+        "Q" => Some(ValueType::Sequence),
+        "K" => Some(ValueType::Keyword),
+        "C" => Some(ValueType::Code),
         "A" => None,
         _ => return None,
     };
     let access = match access {
-        "ro" => Access::Read,
-        "rw" => Access::Write,
-        "start" => Access::Start,
+        "ro" => ControlVariableAccess::Read,
+        "rw" => ControlVariableAccess::Write,
+        "start" => ControlVariableAccess::Start,
         _ => return None,
     };
     let indices: Vec<Option<u32>> = match indices {
@@ -113,21 +113,29 @@ fn row(line: &'static str) -> Option<Vec<Variable>> {
         None => None,
     };
     let first = first_value(first, kind)?;
-    let variable =
-        |name| Variable { name, kind, indices: indices.clone(), access, category, first: first.clone(), range, about };
+    let variable = |name| ControlVariable {
+        name,
+        kind,
+        indices: indices.clone(),
+        access,
+        category,
+        first: first.clone(),
+        range,
+        about,
+    };
     Some(expand(names).into_iter().map(variable).collect())
 }
 
-fn first_value(text: &str, kind: Option<Kind>) -> Option<Value> {
+fn first_value(text: &str, kind: Option<ValueType>) -> Option<MacroValue> {
     Some(match text {
-        "-" => kind.map_or(Value::Null, Kind::initial),
-        "$NULL" => Value::Null,
-        ".TRUE." => Value::Logical(true),
+        "-" => kind.map_or(MacroValue::Null, ValueType::initial),
+        "$NULL" => MacroValue::Null,
+        ".TRUE." => MacroValue::Logical(true),
         text => match text.strip_prefix('\'').and_then(|text| text.strip_suffix('\'')) {
-            Some(text) => Value::text(text),
+            Some(text) => MacroValue::text(text),
             None => match text.parse() {
-                Ok(number) => Value::Real(number),
-                Err(_) => Value::Keyword(ident::minor_code(text)?),
+                Ok(number) => MacroValue::Real(number),
+                Err(_) => MacroValue::Keyword(ident::minor_code(text)?),
             },
         },
     })
@@ -201,7 +209,7 @@ mod tests {
             let fits =
                 variable.first.kind().is_none() || variable.kind.is_none() || variable.first.kind() == variable.kind;
             assert!(fits, "{}", variable.name);
-            assert!(variable.range.is_none() || variable.kind == Some(Kind::Real), "{}", variable.name);
+            assert!(variable.range.is_none() || variable.kind == Some(ValueType::Real), "{}", variable.name);
         }
     }
 
@@ -215,12 +223,12 @@ mod tests {
             let variables = row(line).unwrap();
             let variable = &variables[0];
             let form = variable.form().replacen(&variable.name, columns[0], 1);
-            let kind = variable.kind.map_or("any", Kind::name);
+            let kind = variable.kind.map_or("any", ValueType::name);
             let range = if columns[6].is_empty() { String::new() } else { format!(" {}", columns[6]) };
             let access = match variable.access {
-                Access::Read => "read",
-                Access::Write => "write",
-                Access::Start => "start",
+                ControlVariableAccess::Read => "read",
+                ControlVariableAccess::Write => "write",
+                ControlVariableAccess::Start => "start",
             };
             let first = if columns[5] == "-" { String::new() } else { format!("`{}`", columns[5]) };
             let wanted = format!("| `{form}` | {kind}{range} | {access} | {first} | {} |", variable.about);
@@ -232,11 +240,14 @@ mod tests {
     #[test]
     fn facts_of_the_reference() {
         let facts = |name: &str| find(name).map(|v| (v.kind, v.access, v.form()));
-        assert_eq!(facts("$CECODE"), Some((Some(Kind::Code), Access::Read, "$CECODE".to_owned())));
-        assert_eq!(facts("$TLTAB"), Some((None, Access::Write, "$TLTAB(1..50,1..200)".to_owned())));
-        assert_eq!(facts("$LZM"), Some((Some(Kind::Real), Access::Read, "$LZM".to_owned())));
-        assert_eq!(facts("$MCEMCD"), Some((Some(Kind::Text), Access::Start, "$MCEMCD(n)".to_owned())));
-        assert_eq!(find("$SPINDLE").unwrap().first.kind(), Some(Kind::Keyword));
+        assert_eq!(facts("$CECODE"), Some((Some(ValueType::Code), ControlVariableAccess::Read, "$CECODE".to_owned())));
+        assert_eq!(facts("$TLTAB"), Some((None, ControlVariableAccess::Write, "$TLTAB(1..50,1..200)".to_owned())));
+        assert_eq!(facts("$LZM"), Some((Some(ValueType::Real), ControlVariableAccess::Read, "$LZM".to_owned())));
+        assert_eq!(
+            facts("$MCEMCD"),
+            Some((Some(ValueType::Text), ControlVariableAccess::Start, "$MCEMCD(n)".to_owned()))
+        );
+        assert_eq!(find("$SPINDLE").unwrap().first.kind(), Some(ValueType::Keyword));
         assert_eq!(
             (product_of("$NXM"), product_of("$NMCD"), product_of("$XX")),
             (Some("the post product"), None, None)

@@ -242,13 +242,13 @@ pub struct Time {
 
 /// The behaviour of canned cycles on this machine.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cycles {
+pub struct CycleRules {
     /// How the tool comes to the clearance height.
-    pub approach: Approach,
+    pub approach: CycleApproach,
     /// How clearance, return and bottom heights are read.
-    pub clearance: Heights,
+    pub clearance: DistanceMode,
     /// How depths are read.
-    pub depth: Heights,
+    pub depth: DistanceMode,
     /// A cycle without its clearance height is diagnosed; otherwise it starts where it is.
     pub clearance_required: bool,
     /// A deep or chip-breaking cycle without a step is a mistake, not a plain cycle.
@@ -278,7 +278,7 @@ pub struct Pump {
 
 /// How cutter and nose radius compensation begins, ends and goes around corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Compensation {
+pub struct CompensationRules {
     /// A rapid move may switch it on and off.
     pub rapid: bool,
     /// A circle may switch it on and off.
@@ -373,7 +373,7 @@ pub struct Corners {
 
 /// The file that printing statements of the program write, and how numbers are in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Output {
+pub struct PrintFileFormat {
     /// Its name.
     pub file: String,
     /// Leading zeros are spaces; otherwise they are left out.
@@ -399,7 +399,7 @@ pub enum OutsideCorner {
 
 /// Way of a cycle to its clearance height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Approach {
+pub enum CycleApproach {
     /// All axes in one move.
     Direct,
     /// First to the position, then along the axis of the cycle.
@@ -408,7 +408,7 @@ pub enum Approach {
 
 /// How heights of a cycle are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Heights {
+pub enum DistanceMode {
     /// By absolute or incremental positioning.
     Mode,
     /// Always positions.
@@ -428,7 +428,7 @@ pub enum RapidPath {
 
 /// Program variables of the pre-processor.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Variables {
+pub struct ProgramVariables {
     /// Ranges of common variables that all channels share, inclusive.
     pub shared: Vec<(u32, u32)>,
     /// Ranges of common variables of each channel's own.

@@ -5,13 +5,13 @@
 
 use counterpoint_motion::frame::orient;
 
-use crate::model::Heights;
+use crate::model::DistanceMode;
 
 /// Circles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arcs {
+pub struct ArcRules {
     /// Centre words are offsets from the start, positions, or follow the mode.
-    pub center: Heights,
+    pub center: DistanceMode,
     /// How far an end may be off its circle.
     pub tolerance: f64,
     /// Largest radius; infinite without a limit.
@@ -19,7 +19,7 @@ pub struct Arcs {
     /// Which codes may move a further axis along.
     pub helix: Helix,
     /// Which circles take a number of turns.
-    pub turns: Turns,
+    pub turns: MultiTurnCircles,
     /// Whether a circle by its radius to its own start moves nothing; otherwise it is reported.
     pub stands: bool,
     /// A circle with neither centre nor radius is a straight line; otherwise it is reported.
@@ -39,7 +39,7 @@ pub enum Helix {
 
 /// Circles of several turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turns {
+pub enum MultiTurnCircles {
     /// Every circle.
     Always,
     /// Helices only.
@@ -50,7 +50,7 @@ pub enum Turns {
 
 /// Turning cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turning {
+pub struct TurningRules {
     /// A block without the numbers of contour blocks, or without a position, only tells settings.
     pub two_lines: bool,
     /// Depth of a level where the program has told none; 0 for none.
@@ -69,7 +69,7 @@ pub struct Turning {
 
 /// Threading cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Threads {
+pub struct ThreadingRules {
     /// A block of a cycle of several passes without a position only tells its settings.
     pub two_lines: bool,
     /// The code of threads with one lead takes a change of the lead too.
@@ -100,7 +100,7 @@ pub struct Kinematics {
     /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
     pub tool: [f64; 3],
     /// Value of a word of a tool direction that is missing in the block.
-    pub missing: Missing,
+    pub missing: DirectionDefault,
     /// Tilted planes.
     pub tilting: Tilting,
 }
@@ -111,9 +111,9 @@ pub struct Tilting {
     /// A plane counts as turned into from its definition on, not from the turn on.
     pub assumed: bool,
     /// Which turn of an angle.
-    pub turns: orient::Turns,
+    pub turns: orient::TurnChoice,
     /// Which of two ways.
-    pub way: orient::Way,
+    pub way: orient::PairChoice,
     /// A request for a side means the larger or smaller angle, not its sign.
     pub larger: bool,
     /// An axis that has nothing to do goes to zero.
@@ -126,8 +126,8 @@ impl Default for Tilting {
     fn default() -> Self {
         Self {
             assumed: false,
-            turns: orient::Turns::Nearest,
-            way: orient::Way::Least,
+            turns: orient::TurnChoice::Nearest,
+            way: orient::PairChoice::Least,
             larger: false,
             zero: false,
             keeps_local: false,
@@ -137,7 +137,7 @@ impl Default for Tilting {
 
 /// Words of a tool direction that the block does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Missing {
+pub enum DirectionDefault {
     /// They keep their value.
     Keep,
     /// They are zero.

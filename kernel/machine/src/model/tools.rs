@@ -1,10 +1,10 @@
 //! Tools of a machine: their word, their names and data, their offsets.
 
-use crate::index::{AxisId, Table};
+use crate::index::{AxisId, IdTable};
 
 /// Tool word, tools and offsets.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tool {
+pub struct ToolSetup {
     /// Digits at the end of the tool word that are the offset number (Fanuc lathe T0101: 2); 0 = tool number only.
     pub offset_digits: u8,
     /// Offsets by number: per machine axis, axis units, and nose radius.
@@ -12,7 +12,7 @@ pub struct Tool {
     /// Data of tools, ascending by number.
     pub data: Vec<ToolFacts>,
     /// Tool-change position in the machine frame, per machine axis, as programmed.
-    pub change_point: Table<AxisId, Option<f64>>,
+    pub change_point: IdTable<AxisId, Option<f64>>,
     /// The axes go there before a tool is loaded.
     pub change_motion: bool,
     /// Tools by name, in capital letters.
@@ -40,7 +40,7 @@ pub struct ToolFacts {
     pub offset: Option<u32>,
 }
 
-impl Tool {
+impl ToolSetup {
     /// Data of a tool.
     #[must_use]
     pub fn facts(&self, number: u32) -> Option<&ToolFacts> {
@@ -63,9 +63,9 @@ pub struct ToolOffset {
     /// Number.
     pub number: u32,
     /// Value per machine axis, as programmed (diameter on a diameter axis).
-    pub values: Table<AxisId, f64>,
+    pub values: IdTable<AxisId, f64>,
     /// Wear per machine axis, added to the value of the axis.
-    pub wear: Table<AxisId, f64>,
+    pub wear: IdTable<AxisId, f64>,
     /// Nose or cutter radius.
     pub radius: f64,
     /// Wear of the radius, added to it.

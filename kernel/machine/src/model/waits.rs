@@ -32,7 +32,7 @@ pub struct WaitRow {
     /// The path stops at it; otherwise only if the others are not there when it would have to brake.
     pub stops: bool,
     /// Which pairs of waits are refused.
-    pub mismatch: Mismatch,
+    pub mismatch: MismatchRule,
     /// The special rules of signals.
     pub signals: SignalRow,
 }
@@ -81,7 +81,7 @@ pub enum WaitAct {
 
 /// The control whose rule refuses pairs of waits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mismatch {
+pub enum MismatchRule {
     /// None: waits that do not match wait.
     Free,
     /// Fanuc: alarms PS0160 and PS0161.

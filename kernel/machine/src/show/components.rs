@@ -5,7 +5,7 @@
 
 use serde_json::{Value, json};
 
-use super::grid::Grid;
+use super::grid::TextTable;
 use crate::model::Machine;
 
 /// The components with their definitions; a machine that is not a composite is its only component, without a name.
@@ -23,10 +23,10 @@ pub(super) fn with_macros(machine: &Machine) -> Vec<(&str, &Machine)> {
 }
 
 /// A table of several definitions.
-pub(super) fn text(all: Vec<(&str, &Machine)>, part: fn(&Machine) -> Grid) -> String {
+pub(super) fn text(all: Vec<(&str, &Machine)>, part: fn(&Machine) -> TextTable) -> String {
     match all.as_slice() {
         [("", machine)] => part(machine).text(),
-        _ => Grid::below(all.into_iter().map(|(name, machine)| (name, part(machine))), "component").text(),
+        _ => TextTable::below(all.into_iter().map(|(name, machine)| (name, part(machine))), "component").text(),
     }
 }
 

@@ -1,9 +1,9 @@
 //! Tables as text.
 
 /// Rows of cells with a heading, left-aligned.
-pub(super) struct Grid(Vec<Vec<String>>);
+pub(super) struct TextTable(Vec<Vec<String>>);
 
-impl Grid {
+impl TextTable {
     pub(super) fn new(heading: &[&str]) -> Self {
         Self(vec![heading.iter().map(|cell| (*cell).to_owned()).collect()])
     }
@@ -13,9 +13,9 @@ impl Grid {
     }
 
     /// Stacks grids with the same columns, and adds a first column with their names.
-    pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, Grid)>, heading: &str) -> Self {
+    pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, TextTable)>, heading: &str) -> Self {
         let mut all: Vec<Vec<String>> = Vec::new();
-        for (name, Grid(rows)) in grids {
+        for (name, TextTable(rows)) in grids {
             let first = usize::from(!all.is_empty());
             for (at, mut row) in rows.into_iter().enumerate().skip(first) {
                 row.insert(0, if at == 0 { heading } else { name }.to_owned());

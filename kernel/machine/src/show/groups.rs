@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use super::grid::Grid;
+use super::grid::TextTable;
 use super::{is_alias, sorted_codes, word, written};
 use crate::model::Machine;
 use crate::rows::CodeRow;
@@ -67,8 +67,8 @@ fn starts(machine: &Machine, row: &CodeRow) -> bool {
 }
 
 /// One line a code.
-pub(super) fn text(machine: &Machine) -> Grid {
-    let mut grid = Grid::new(&["group", "word", "code", "modality", "subject", "notes"]);
+pub(super) fn text(machine: &Machine) -> TextTable {
+    let mut grid = TextTable::new(&["group", "word", "code", "modality", "subject", "notes"]);
     for (group, rows) in groups(machine) {
         for row in rows {
             let mut notes = Vec::new();

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::components::{of, rows, with_macros};
 use super::{Show, register, sorted_codes, word, written};
-use crate::index::{AxisId, RegisterId, SpindleId, Table};
-use crate::model::{Axis, Channel, Compensation, Component, Heights, Machine, WaitRow};
+use crate::index::{AxisId, IdTable, RegisterId, SpindleId};
+use crate::model::{Axis, Channel, CompensationRules, Component, DistanceMode, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
 /// The whole machine.
@@ -65,7 +65,7 @@ pub fn json(machine: &Machine) -> Value {
     })
 }
 
-fn compensation(rules: &Compensation) -> Value {
+fn compensation(rules: &CompensationRules) -> Value {
     json!({
         "rapid": rules.rapid,
         "arcs": rules.arcs,
@@ -366,7 +366,7 @@ fn arcs(machine: &Machine) -> Value {
     let arcs = &machine.arcs;
     json!({
         "center": match arcs.center {
-            Heights::Incremental => "offset".to_owned(),
+            DistanceMode::Incremental => "offset".to_owned(),
             other => word(other),
         },
         "tolerance": arcs.tolerance,
@@ -423,7 +423,7 @@ fn tool_data(machine: &Machine) -> Vec<Value> {
 }
 
 /// Values with the names of their axes.
-fn by_axis(machine: &Machine, values: &Table<AxisId, f64>) -> Value {
+fn by_axis(machine: &Machine, values: &IdTable<AxisId, f64>) -> Value {
     let named = machine.axes.iter().zip(values).map(|(axis, value)| (axis.name.clone(), json!(value)));
     Value::Object(named.collect())
 }

@@ -4,14 +4,14 @@
 
 use serde_json::{Value, json};
 
-use super::grid::Grid;
+use super::grid::TextTable;
 use super::text::{dash, yes};
-use crate::macros::condition::{Condition, Item, Step};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, Named};
+use crate::macros::condition::{BlockIdentifier, ConditionStep, MacroCondition};
+use crate::macros::model::{FIRST_HOOK_ID, Hook, TriggeredMacro};
 use crate::model::Machine;
 
 /// One macro.
-struct Row {
+struct MacroRow {
     /// Key of the machine file: that of the hook, `code`, `data` or `functions`.
     key: &'static str,
     /// Number that switches it; functions have none and are always on.
@@ -25,8 +25,8 @@ struct Row {
     file: String,
 }
 
-pub(super) fn text(machine: &Machine) -> Grid {
-    let mut grid = Grid::new(&["macro", "key", "name", "on", "match", "if", "file"]);
+pub(super) fn text(machine: &Machine) -> TextTable {
+    let mut grid = TextTable::new(&["macro", "key", "name", "on", "match", "if", "file"]);
     for row in rows(machine) {
         grid.row([
             row.id.map_or_else(|| "-".to_owned(), |id| id.to_string()),
@@ -42,7 +42,7 @@ pub(super) fn text(machine: &Machine) -> Grid {
 }
 
 pub(super) fn json(machine: &Machine) -> Vec<Value> {
-    let row = |row: Row| {
+    let row = |row: MacroRow| {
         json!({
             "id": row.id,
             "key": row.key,
@@ -56,13 +56,13 @@ pub(super) fn json(machine: &Machine) -> Vec<Value> {
     rows(machine).into_iter().map(row).collect()
 }
 
-fn rows(machine: &Machine) -> Vec<Row> {
+fn rows(machine: &Machine) -> Vec<MacroRow> {
     let Some(macros) = machine.macros.as_deref() else { return Vec::new() };
     let file = |code: u16| macros.program.macros.get(usize::from(code)).map_or("", |code| &code.source.name).to_owned();
     let mut rows = Vec::new();
     for (hook, id) in Hook::ALL.into_iter().zip(FIRST_HOOK_ID..) {
         let Some(code) = macros.hook(hook) else { continue };
-        rows.push(Row {
+        rows.push(MacroRow {
             key: hook.key(),
             id: Some(id),
             name: hook.title().to_owned(),
@@ -72,11 +72,11 @@ fn rows(machine: &Machine) -> Vec<Row> {
             file: file(code),
         });
     }
-    let name = |item: Item| match item {
-        Item::Code(id) => machine.code_name(id).to_owned(),
-        Item::Data(id) => machine.data_name(id).to_owned(),
+    let name = |item: BlockIdentifier| match item {
+        BlockIdentifier::Code(id) => machine.code_name(id).to_owned(),
+        BlockIdentifier::Data(id) => machine.data_name(id).to_owned(),
     };
-    let named = |key, one: &Named| Row {
+    let named = |key, one: &TriggeredMacro| MacroRow {
         key,
         id: Some(one.id),
         name: one.name.clone(),
@@ -87,7 +87,7 @@ fn rows(machine: &Machine) -> Vec<Row> {
     };
     rows.extend(macros.codes.iter().map(|row| named("code", row)));
     rows.extend(macros.data.iter().map(|row| named("data", row)));
-    rows.extend(macros.program.functions().into_iter().map(|(name, code)| Row {
+    rows.extend(macros.program.functions().into_iter().map(|(name, code)| MacroRow {
         key: "functions",
         id: None,
         name: name.to_owned(),
@@ -100,8 +100,8 @@ fn rows(machine: &Machine) -> Vec<Row> {
 }
 
 /// A condition in the notation of the machine file.
-fn condition(condition: &Condition, name: &impl Fn(Item) -> String) -> String {
-    let list = |items: &[Item]| items.iter().map(|item| name(*item)).collect::<Vec<_>>().join(" ");
+fn condition(condition: &MacroCondition, name: &impl Fn(BlockIdentifier) -> String) -> String {
+    let list = |items: &[BlockIdentifier]| items.iter().map(|item| name(*item)).collect::<Vec<_>>().join(" ");
     let mut parts = Vec::new();
     if !condition.present.is_empty() {
         parts.push(format!("present {}", list(&condition.present)));
@@ -116,11 +116,11 @@ fn condition(condition: &Condition, name: &impl Fn(Item) -> String) -> String {
 }
 
 /// Postfix steps as they are written; only an OR inside an AND needs parentheses.
-fn written(steps: &[Step], name: &impl Fn(Item) -> String) -> String {
+fn written(steps: &[ConditionStep], name: &impl Fn(BlockIdentifier) -> String) -> String {
     let mut stack: Vec<(String, bool)> = Vec::new();
     for step in steps {
-        let is_or = *step == Step::Or;
-        if let Step::Present(item) = step {
+        let is_or = *step == ConditionStep::Or;
+        if let ConditionStep::Present(item) = step {
             stack.push((name(*item), false));
             continue;
         }
@@ -137,10 +137,10 @@ mod tests {
     use crate::load;
     use crate::package::{Overlay, shipped};
     use crate::show::{Show, json_part, show};
-    use counterpoint_ports::files::Memory;
+    use counterpoint_ports::files::MemoryFiles;
 
     fn machine() -> crate::Machine {
-        let mut files = Memory::default();
+        let mut files = MemoryFiles::default();
         files.insert(
             "own/machine.toml",
             r#"

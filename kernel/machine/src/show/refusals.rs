@@ -4,15 +4,15 @@
 
 use serde_json::{Value, json};
 
-use super::grid::Grid;
+use super::grid::TextTable;
 use super::text::dash;
 use crate::index::RegisterId;
 use crate::model::Machine;
-use crate::refusals::{Active, Refusal, Written};
+use crate::refusals::{Active, BlockRefusal, CodeReference};
 
 /// One rule in words.
-struct Row<'m> {
-    rule: &'m Refusal,
+struct RefusalRow<'m> {
+    rule: &'m BlockRefusal,
     codes: Vec<String>,
     with: Vec<&'m str>,
     without: Vec<&'m str>,
@@ -22,8 +22,8 @@ struct Row<'m> {
     word: String,
 }
 
-pub(super) fn text(machine: &Machine) -> Grid {
-    let mut grid = Grid::new(&["alarm", "codes", "with", "without", "active", "inactive", "word", "text"]);
+pub(super) fn text(machine: &Machine) -> TextTable {
+    let mut grid = TextTable::new(&["alarm", "codes", "with", "without", "active", "inactive", "word", "text"]);
     for row in rows(machine) {
         grid.row([
             row.rule.alarm.clone(),
@@ -40,7 +40,7 @@ pub(super) fn text(machine: &Machine) -> Grid {
 }
 
 pub(super) fn json(machine: &Machine) -> Vec<Value> {
-    let row = |row: Row<'_>| {
+    let row = |row: RefusalRow<'_>| {
         json!({
             "name": row.rule.name,
             "alarm": row.rule.alarm,
@@ -59,13 +59,13 @@ pub(super) fn json(machine: &Machine) -> Vec<Value> {
     rows(machine).map(row).collect()
 }
 
-fn rows(machine: &Machine) -> impl Iterator<Item = Row<'_>> {
+fn rows(machine: &Machine) -> impl Iterator<Item = RefusalRow<'_>> {
     let register = |id: RegisterId| machine.registers[id].name.as_str();
     let registers =
         move |bits: u128| machine.registers.ids().filter(|id| bits & id.bit() != 0).map(register).collect::<Vec<_>>();
-    let code = move |code: &Written| match *code {
-        Written::Id(id) => machine.code_name(id).to_owned(),
-        Written::Word { register: id, min, max } => {
+    let code = move |code: &CodeReference| match *code {
+        CodeReference::Id(id) => machine.code_name(id).to_owned(),
+        CodeReference::Word { register: id, min, max } => {
             let letter = register(id);
             if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") }
         }
@@ -88,7 +88,7 @@ fn rows(machine: &Machine) -> impl Iterator<Item = Row<'_>> {
             }
             text
         });
-        Row {
+        RefusalRow {
             rule,
             codes: rule.codes.iter().map(code).collect(),
             with: registers(rule.with),

@@ -2,13 +2,13 @@
 //!
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
-use super::grid::Grid;
+use super::grid::TextTable;
 use super::{register, word, written};
 use crate::ident::kind::CodeKind;
 use crate::ident::{CodeId, codes};
 use crate::index::RegisterId;
-use crate::model::paths::Threads;
-use crate::model::{CallHow, Cycles, Machine, WordCall};
+use crate::model::paths::ThreadingRules;
+use crate::model::{CallHow, CycleRules, Machine, WordCall};
 use crate::rows::{CodeForm, NumberFormat};
 
 pub(super) fn dash(text: impl Into<String>) -> String {
@@ -73,7 +73,7 @@ pub(super) fn summary(machine: &Machine) -> String {
     let named = |component: &str, name: &str| {
         if component.is_empty() { name.to_owned() } else { format!("{component}: {name}") }
     };
-    let mut grid = Grid::new(&["machine", &machine.name]);
+    let mut grid = TextTable::new(&["machine", &machine.name]);
     let mut line = |name: &str, value: String| grid.row([name.to_owned(), dash(value)]);
     line("description", machine.description.clone());
     line("number", format!("{}, revision {}", machine.number, machine.revision));
@@ -133,7 +133,7 @@ pub(super) fn summary(machine: &Machine) -> String {
 }
 
 /// Settings of canned cycles; settings that are only mentioned when on come last.
-fn cycles(cycles: &Cycles) -> String {
+fn cycles(cycles: &CycleRules) -> String {
     let mut text = format!(
         "{}, clearance {}, depth {}, step {}, {} back",
         word(cycles.approach),
@@ -155,7 +155,7 @@ fn cycles(cycles: &Cycles) -> String {
 }
 
 /// Settings of threading cycles.
-fn threads(threads: &Threads) -> String {
+fn threads(threads: &ThreadingRules) -> String {
     format!(
         "{}, in-feed {}, {} finishing, nose {} degrees, chamfer {}",
         if threads.two_lines { "two lines" } else { "one line" },
@@ -166,9 +166,9 @@ fn threads(threads: &Threads) -> String {
     )
 }
 
-pub(super) fn registers(machine: &Machine) -> Grid {
+pub(super) fn registers(machine: &Machine) -> TextTable {
     let mut grid =
-        Grid::new(&["index", "register", "second", "digits", "secondary", "point", "lead", "trail", "signed"]);
+        TextTable::new(&["index", "register", "second", "digits", "secondary", "point", "lead", "trail", "signed"]);
     let digits = |format: &NumberFormat| format!("{}.{}", format.whole, format.frac);
     for register in &machine.registers {
         grid.row([
@@ -186,10 +186,10 @@ pub(super) fn registers(machine: &Machine) -> Grid {
     grid
 }
 
-pub(super) fn codes(machine: &Machine) -> Grid {
+pub(super) fn codes(machine: &Machine) -> TextTable {
     let heading =
         ["word", "code", "order", "group", "modality", "as data", "scaling", "if", "seconds", "notes", "defined"];
-    let mut grid = Grid::new(&heading);
+    let mut grid = TextTable::new(&heading);
     for row in super::sorted_codes(machine) {
         let data = match &row.form {
             CodeForm::RegisterAsData { data, .. } => machine.data_name(*data).to_owned(),
@@ -231,9 +231,9 @@ pub(super) fn codes(machine: &Machine) -> Grid {
     grid
 }
 
-pub(super) fn data(machine: &Machine) -> Grid {
+pub(super) fn data(machine: &Machine) -> TextTable {
     let heading = ["register", "data", "modal", "min", "max", "scaling", "dimension", "notes", "defined"];
-    let mut grid = Grid::new(&heading);
+    let mut grid = TextTable::new(&heading);
     let mut rows: Vec<_> = machine.data.iter().collect();
     rows.sort_by_key(|row| row.register.map_or(usize::MAX, RegisterId::index));
     for row in rows {
@@ -257,7 +257,7 @@ pub(super) fn data(machine: &Machine) -> Grid {
 pub(super) fn axes(machine: &Machine) -> String {
     let heading =
         ["axis", "letter", "data", "role", "diameter", "rapid", "acceleration", "home", "part zero", "limits"];
-    let mut grid = Grid::new(&heading);
+    let mut grid = TextTable::new(&heading);
     for axis in &machine.axes {
         grid.row([
             axis.name.clone(),
@@ -276,7 +276,7 @@ pub(super) fn axes(machine: &Machine) -> String {
 }
 
 pub(super) fn channels(machine: &Machine) -> String {
-    let mut grid = Grid::new(&["channel", "name", "axes", "spindle"]);
+    let mut grid = TextTable::new(&["channel", "name", "axes", "spindle"]);
     for channel in &machine.channels {
         let axes: Vec<&str> = channel.axes.iter().map(|axis| machine.axes[*axis].name.as_str()).collect();
         grid.row([
@@ -286,7 +286,7 @@ pub(super) fn channels(machine: &Machine) -> String {
             channel.spindle.map_or_else(|| "-".to_owned(), |spindle| machine.spindles[spindle].number.to_string()),
         ]);
     }
-    let mut spindles = Grid::new(&["spindle", "name", "max rev/min", "min rev/min", "run-up s"]);
+    let mut spindles = TextTable::new(&["spindle", "name", "max rev/min", "min rev/min", "run-up s"]);
     for spindle in &machine.spindles {
         spindles.row([
             spindle.number.to_string(),
@@ -300,7 +300,7 @@ pub(super) fn channels(machine: &Machine) -> String {
     if machine.components.is_empty() {
         return both;
     }
-    let mut components = Grid::new(&["component", "name", "channels", "definition"]);
+    let mut components = TextTable::new(&["component", "name", "channels", "definition"]);
     for component in &machine.components {
         let channels: Vec<String> = component.channels.iter().map(u16::to_string).collect();
         let (designator, name) = (component.designator.clone(), component.name.clone());

@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 
 use crate::model::Machine;
-use crate::system_variables::{Column, FIRST, Frame, MODAL_CALLS, Means};
+use crate::system_variables::{FIRST, MODAL_CALLS, Means, OffsetColumn, PositionReference};
 
 /// Last number of a local variable.
 const LAST_LOCAL: u32 = 33;
@@ -81,12 +81,12 @@ fn means(machine: &Machine, means: &Means, at: u32) -> String {
         Means::ToolOffset(column, wear) => {
             let wear = if *wear { "wear of the" } else { "the" };
             let column = match column {
-                Column::Axis(0) => "value along X",
-                Column::Axis(1) => "value along Y",
-                Column::Axis(_) => "value along Z",
-                Column::Radius => "radius",
-                Column::Diameter => "diameter",
-                Column::Tip => "direction of the imaginary tip",
+                OffsetColumn::Axis(0) => "value along X",
+                OffsetColumn::Axis(1) => "value along Y",
+                OffsetColumn::Axis(_) => "value along Z",
+                OffsetColumn::Radius => "radius",
+                OffsetColumn::Diameter => "diameter",
+                OffsetColumn::Tip => "direction of the imaginary tip",
             };
             let known = machine.tool.offsets.iter().any(|offset| offset.number == at + 1);
             let none = if known { "" } else { ", which the machine does not define" };
@@ -103,17 +103,17 @@ fn offset(number: u32) -> String {
     }
 }
 
-fn frame_name(frame: Frame) -> &'static str {
+fn frame_name(frame: PositionReference) -> &'static str {
     match frame {
-        Frame::Local => "shift of the local coordinate system",
-        Frame::BlockEnd => "end of the previous block in the frame of the program",
-        Frame::Machine => "position in the frame of the machine",
-        Frame::Work => "position in the work frame, without the tool",
-        Frame::Skip => "end of the last probing move in the work frame",
-        Frame::Tool => "tool compensation in force",
-        Frame::Wear => "wear in force",
-        Frame::Geometry => "geometry in force",
-        Frame::Zero => "following error, handle or distance to go: always 0",
+        PositionReference::Local => "shift of the local coordinate system",
+        PositionReference::BlockEnd => "end of the previous block in the frame of the program",
+        PositionReference::Machine => "position in the frame of the machine",
+        PositionReference::Work => "position in the work frame, without the tool",
+        PositionReference::Skip => "end of the last probing move in the work frame",
+        PositionReference::Tool => "tool compensation in force",
+        PositionReference::Wear => "wear in force",
+        PositionReference::Geometry => "geometry in force",
+        PositionReference::Zero => "following error, handle or distance to go: always 0",
     }
 }
 

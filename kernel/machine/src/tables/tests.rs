@@ -3,16 +3,16 @@
 use super::super::ident::dimension::Dimension;
 use super::super::ident::{codes, data_names};
 use super::super::index::{nth, places};
-use super::super::rows::{Excess, Modality, NumberFormat, Point, Zeros};
+use super::super::rows::{DecimalPointRule, Excess, Modality, NumberFormat, ZeroRule};
 use super::*;
 
 fn register(name: &str, second: Option<&str>) -> Register {
     let format = NumberFormat {
         whole: 4,
         frac: 3,
-        point: Point::Keep,
-        lead: Zeros::Omit,
-        trail: Zeros::Omit,
+        point: DecimalPointRule::Keep,
+        lead: ZeroRule::Omit,
+        trail: ZeroRule::Omit,
         plus: false,
         excess: Excess::Kept,
     };
@@ -53,7 +53,7 @@ fn code(register: usize, min: f64, max: f64, order: u16) -> CodeRow {
         also: false,
         special: false,
         seconds: 0.0,
-        overlap: crate::rows::Overlap::None,
+        overlap: crate::rows::TimeOverlap::None,
         axis: None,
         line: 0,
         file: String::new(),
@@ -77,15 +77,15 @@ fn data(id: DataId, register: Option<usize>, enable: bool) -> DataRow {
     }
 }
 
-fn of_registers<const N: usize>(registers: [Register; N]) -> Tables {
-    Tables::new(&registers.into_iter().collect(), &Table::default(), &Table::default(), &data_names())
+fn of_registers<const N: usize>(registers: [Register; N]) -> LookupTables {
+    LookupTables::new(&registers.into_iter().collect(), &IdTable::default(), &IdTable::default(), &data_names())
 }
 
-fn of_codes(codes: &[CodeRow]) -> Tables {
-    Tables::new(
+fn of_codes(codes: &[CodeRow]) -> LookupTables {
+    LookupTables::new(
         &[register("G", None), register("M", None)].into_iter().collect(),
         &codes.iter().cloned().collect(),
-        &Table::default(),
+        &IdTable::default(),
         &data_names(),
     )
 }
@@ -175,7 +175,7 @@ fn rows_that_are_off_are_nowhere() {
     let codes = [off, text, longer, off_text].into_iter().collect();
     let mut names = data_names();
     names.push("REG_OWN".into());
-    let tables = Tables::new(&registers, &codes, &rows.into_iter().collect(), &names);
+    let tables = LookupTables::new(&registers, &codes, &rows.into_iter().collect(), &names);
     assert_eq!(places(tables.code(nth(0), 5.0)), [0; 0]);
     assert_eq!(places(&tables.texts), [2, 1]);
     assert_eq!(places(tables.data_of(nth(1))), [0]);

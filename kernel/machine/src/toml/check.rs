@@ -5,7 +5,7 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::node::Place;
+use super::node::DefinitionPlace;
 use crate::finding::Finding;
 
 /// Most findings kept of one load.
@@ -13,40 +13,40 @@ const MAX_FINDINGS: usize = 1000;
 
 /// The collector.
 #[derive(Debug, Default)]
-pub(crate) struct Check {
+pub(crate) struct FindingCollector {
     findings: RefCell<Vec<Finding>>,
-    broken: RefCell<Vec<Place>>,
+    broken: RefCell<Vec<DefinitionPlace>>,
     incomplete: Cell<bool>,
     dropped: Cell<usize>,
 }
 
-impl Check {
+impl FindingCollector {
     /// An error.
-    pub(crate) fn error(&self, place: &Place, text: impl Into<String>) {
+    pub(crate) fn error(&self, place: &DefinitionPlace, text: impl Into<String>) {
         self.push(Finding::error(&*place.file, place.line, place.column, text));
     }
 
     /// A warning.
-    pub(crate) fn warning(&self, place: &Place, text: impl Into<String>) {
+    pub(crate) fn warning(&self, place: &DefinitionPlace, text: impl Into<String>) {
         self.push(Finding::warning(&*place.file, place.line, place.column, text));
     }
 
     /// An error of TOML syntax.
-    pub(crate) fn syntax(&self, place: &Place, text: String) {
+    pub(crate) fn syntax(&self, place: &DefinitionPlace, text: String) {
         self.push(Finding::error(&*place.file, place.line, place.column, text));
         self.broken.borrow_mut().push(place.clone());
     }
 
     /// An error because something else is not there. Not reported while the definition is known to be incomplete (a
     /// family, or a machine whose family could not be read).
-    pub(crate) fn missing(&self, place: &Place, text: impl Into<String>) {
+    pub(crate) fn missing(&self, place: &DefinitionPlace, text: impl Into<String>) {
         if !self.incomplete.get() {
             self.error(place, text);
         }
     }
 
     /// A warning because something else is not there, under the same condition.
-    pub(crate) fn idle(&self, place: &Place, text: impl Into<String>) {
+    pub(crate) fn idle(&self, place: &DefinitionPlace, text: impl Into<String>) {
         if !self.incomplete.get() {
             self.warning(place, text);
         }
@@ -75,7 +75,7 @@ impl Check {
     }
 
     /// Hands over those findings that are wanted.
-    pub(crate) fn pass_on(self, to: &Check, wanted: impl Fn(&Finding) -> bool) {
+    pub(crate) fn pass_on(self, to: &FindingCollector, wanted: impl Fn(&Finding) -> bool) {
         self.into_findings().into_iter().filter(wanted).for_each(|finding| to.push(finding));
     }
 

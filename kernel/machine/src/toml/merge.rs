@@ -2,17 +2,17 @@
 //!
 //! Invariant: every row and value of the result still carries the place where it was written.
 
-use super::node::{Entry, Node, Table, Value};
+use super::node::{Node, TomlEntry, TomlTable, TomlValue};
 
 /// Name of a row in the array of tables at a path; `None` when rows there have no name of their own.
-pub(crate) type RowName = fn(path: &str, row: &Table) -> Option<String>;
+pub(crate) type RowName = fn(path: &str, row: &TomlTable) -> Option<String>;
 
 /// Child over parent: tables key by key, rows by their name, everything else replaced.
-pub(crate) fn merge(parent: Table, child: Table, row_name: RowName) -> Table {
+pub(crate) fn merge(parent: TomlTable, child: TomlTable, row_name: RowName) -> TomlTable {
     merge_tables(parent, child, "", row_name)
 }
 
-fn merge_tables(mut parent: Table, child: Table, path: &str, row_name: RowName) -> Table {
+fn merge_tables(mut parent: TomlTable, child: TomlTable, path: &str, row_name: RowName) -> TomlTable {
     for entry in child.entries {
         let path = if path.is_empty() { entry.key.clone() } else { format!("{path}.{}", entry.key) };
         match parent.entries.iter().position(|known| known.key == entry.key) {
@@ -26,27 +26,27 @@ fn merge_tables(mut parent: Table, child: Table, path: &str, row_name: RowName) 
     parent
 }
 
-fn merge_entries(parent: Entry, child: Entry, path: &str, row_name: RowName) -> Entry {
-    let Entry { key, place, node } = child;
+fn merge_entries(parent: TomlEntry, child: TomlEntry, path: &str, row_name: RowName) -> TomlEntry {
+    let TomlEntry { key, place, node } = child;
     let value = match (parent.node.value, node.value) {
-        (Value::Table(old), Value::Table(new)) => Value::Table(merge_tables(old, new, path, row_name)),
-        (Value::Array(old), Value::Array(new)) if has_rows(&old) || has_rows(&new) => {
-            Value::Array(merge_rows(old, new, path, row_name))
+        (TomlValue::Table(old), TomlValue::Table(new)) => TomlValue::Table(merge_tables(old, new, path, row_name)),
+        (TomlValue::Array(old), TomlValue::Array(new)) if has_rows(&old) || has_rows(&new) => {
+            TomlValue::Array(merge_rows(old, new, path, row_name))
         }
         (_, new) => new,
     };
-    Entry { key, place, node: Node { place: node.place, value } }
+    TomlEntry { key, place, node: Node { place: node.place, value } }
 }
 
 fn has_rows(items: &[Node]) -> bool {
-    items.iter().any(|item| matches!(item.value, Value::Table(_)))
+    items.iter().any(|item| matches!(item.value, TomlValue::Table(_)))
 }
 
 /// A child's row takes the place of the parent's row of the same name; two equal rows of the child both stay, and the
 /// loader reports them.
 fn merge_rows(parent: Vec<Node>, child: Vec<Node>, path: &str, row_name: RowName) -> Vec<Node> {
     let name_of = |node: &Node| match &node.value {
-        Value::Table(row) => row_name(path, row),
+        TomlValue::Table(row) => row_name(path, row),
         _ => None,
     };
     let mut rows: Vec<(Option<String>, bool, Node)> =

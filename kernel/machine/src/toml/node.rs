@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// Where something is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct DefinitionPlace {
     /// File, relative to the machines folder.
     pub(crate) file: Arc<str>,
     /// Line from 1.
@@ -19,14 +19,14 @@ pub(crate) struct Place {
 #[derive(Debug, Clone)]
 pub(crate) struct Node {
     /// Where the value starts.
-    pub(crate) place: Place,
+    pub(crate) place: DefinitionPlace,
     /// The value.
-    pub(crate) value: Value,
+    pub(crate) value: TomlValue,
 }
 
 /// A TOML value.
 #[derive(Debug, Clone)]
-pub(crate) enum Value {
+pub(crate) enum TomlValue {
     /// Text in quotes.
     Text(String),
     /// Whole number.
@@ -40,10 +40,10 @@ pub(crate) enum Value {
     /// List.
     Array(Vec<Node>),
     /// Table.
-    Table(Table),
+    Table(TomlTable),
 }
 
-impl Value {
+impl TomlValue {
     /// Its description in messages.
     pub(crate) fn kind(&self) -> &'static str {
         match self {
@@ -60,23 +60,23 @@ impl Value {
 
 /// A key with its value.
 #[derive(Debug, Clone)]
-pub(crate) struct Entry {
+pub(crate) struct TomlEntry {
     /// Key.
     pub(crate) key: String,
     /// Where the key is written.
-    pub(crate) place: Place,
+    pub(crate) place: DefinitionPlace,
     /// Its value.
     pub(crate) node: Node,
 }
 
 /// A table.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Table {
+pub(crate) struct TomlTable {
     /// Keys and values.
-    pub(crate) entries: Vec<Entry>,
+    pub(crate) entries: Vec<TomlEntry>,
 }
 
-impl Table {
+impl TomlTable {
     /// Value of a key.
     pub(crate) fn get(&self, key: &str) -> Option<&Node> {
         self.entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
@@ -85,7 +85,7 @@ impl Table {
     /// Text of a key, if it is text.
     pub(crate) fn text(&self, key: &str) -> Option<&str> {
         match self.get(key).map(|node| &node.value) {
-            Some(Value::Text(text)) => Some(text),
+            Some(TomlValue::Text(text)) => Some(text),
             _ => None,
         }
     }
@@ -96,9 +96,9 @@ impl Table {
     }
 
     /// The table under a key, to change it.
-    pub(crate) fn table_mut(&mut self, key: &str) -> Option<&mut Table> {
+    pub(crate) fn table_mut(&mut self, key: &str) -> Option<&mut TomlTable> {
         self.entries.iter_mut().find(|entry| entry.key == key).and_then(|entry| match &mut entry.node.value {
-            Value::Table(table) => Some(table),
+            TomlValue::Table(table) => Some(table),
             _ => None,
         })
     }

@@ -5,33 +5,38 @@
 
 use std::ops::RangeInclusive;
 
-use super::check::Check;
-use super::node::{Node, Place, Table, Value};
+use super::check::FindingCollector;
+use super::node::{DefinitionPlace, Node, TomlTable, TomlValue};
 use super::suggest::did_you_mean;
 
 /// A table that is being read.
 #[derive(Debug)]
-pub(crate) struct Section<'a> {
-    table: &'a Table,
-    place: Place,
+pub(crate) struct TableReader<'a> {
+    table: &'a TomlTable,
+    place: DefinitionPlace,
     title: &'static str,
     asked: Vec<&'static str>,
-    check: &'a Check,
+    check: &'a FindingCollector,
 }
 
-impl<'a> Section<'a> {
+impl<'a> TableReader<'a> {
     /// Starts to read a table.
-    pub(crate) fn new(table: &'a Table, place: Place, title: &'static str, check: &'a Check) -> Self {
+    pub(crate) fn new(
+        table: &'a TomlTable,
+        place: DefinitionPlace,
+        title: &'static str,
+        check: &'a FindingCollector,
+    ) -> Self {
         Self { table, place, title, asked: Vec::new(), check }
     }
 
     /// Where the table starts.
-    pub(crate) fn place(&self) -> &Place {
+    pub(crate) fn place(&self) -> &DefinitionPlace {
         &self.place
     }
 
     /// Where a key's value is written; the table's place when the key is absent.
-    pub(crate) fn place_of(&self, key: &str) -> &Place {
+    pub(crate) fn place_of(&self, key: &str) -> &DefinitionPlace {
         self.table.get(key).map_or(&self.place, |node| &node.place)
     }
 
@@ -59,7 +64,7 @@ impl<'a> Section<'a> {
     }
 
     /// An error at another place, for files that a key names.
-    pub(crate) fn error_at(&self, place: &Place, text: impl Into<String>) {
+    pub(crate) fn error_at(&self, place: &DefinitionPlace, text: impl Into<String>) {
         self.check.error(place, text);
     }
 
@@ -67,7 +72,7 @@ impl<'a> Section<'a> {
     pub(crate) fn text(&mut self, key: &'static str) -> Option<&'a str> {
         let node = self.node(key)?;
         match &node.value {
-            Value::Text(text) => Some(text),
+            TomlValue::Text(text) => Some(text),
             other => self.wrong_type(key, node, "text in quotes", other),
         }
     }
@@ -114,7 +119,7 @@ impl<'a> Section<'a> {
     pub(crate) fn flag(&mut self, key: &'static str) -> Option<bool> {
         let node = self.node(key)?;
         match &node.value {
-            Value::Flag(flag) => Some(*flag),
+            TomlValue::Flag(flag) => Some(*flag),
             other => self.wrong_type(key, node, "true or false", other),
         }
     }
@@ -124,8 +129,8 @@ impl<'a> Section<'a> {
         let node = self.node(key)?;
         let expected = format!("a whole number from {} to {}", range.start(), range.end());
         match &node.value {
-            Value::Integer(number) if range.contains(number) => Some(*number),
-            Value::Integer(number) => {
+            TomlValue::Integer(number) if range.contains(number) => Some(*number),
+            TomlValue::Integer(number) => {
                 self.check.error(&node.place, format!("`{key}` must be {expected}, not {number}"));
                 None
             }
@@ -163,18 +168,18 @@ impl<'a> Section<'a> {
     pub(crate) fn list(&mut self, key: &'static str) -> Option<&'a [Node]> {
         let node = self.node(key)?;
         match &node.value {
-            Value::Array(items) => Some(items),
+            TomlValue::Array(items) => Some(items),
             other => self.wrong_type(key, node, "a list in [ ]", other),
         }
     }
 
     /// List of texts with their places.
-    pub(crate) fn texts(&mut self, key: &'static str) -> Option<Vec<(&'a str, &'a Place)>> {
+    pub(crate) fn texts(&mut self, key: &'static str) -> Option<Vec<(&'a str, &'a DefinitionPlace)>> {
         let items = self.list(key)?;
         let mut texts = Vec::with_capacity(items.len());
         for item in items {
             match &item.value {
-                Value::Text(text) => texts.push((text.as_str(), &item.place)),
+                TomlValue::Text(text) => texts.push((text.as_str(), &item.place)),
                 other => {
                     let kind = other.kind();
                     self.check.error(&item.place, format!("`{key}` must be a list of texts, this one is {kind}"));
@@ -202,25 +207,25 @@ impl<'a> Section<'a> {
     }
 
     /// Table under a key.
-    pub(crate) fn table(&mut self, key: &'static str, title: &'static str) -> Option<Section<'a>> {
+    pub(crate) fn table(&mut self, key: &'static str, title: &'static str) -> Option<TableReader<'a>> {
         let node = self.node(key)?;
         match &node.value {
-            Value::Table(table) => Some(Section::new(table, node.place.clone(), title, self.check)),
+            TomlValue::Table(table) => Some(TableReader::new(table, node.place.clone(), title, self.check)),
             other => self.wrong_type(key, node, "a table", other),
         }
     }
 
     /// Keys and values of a table whose keys are free (names or numbers).
-    pub(crate) fn free_table(&mut self, key: &'static str) -> Option<&'a Table> {
+    pub(crate) fn free_table(&mut self, key: &'static str) -> Option<&'a TomlTable> {
         let node = self.node(key)?;
         match &node.value {
-            Value::Table(table) => Some(table),
+            TomlValue::Table(table) => Some(table),
             other => self.wrong_type(key, node, "a table", other),
         }
     }
 
     /// Rows of an array of tables, at most `most`.
-    pub(crate) fn rows(&mut self, key: &'static str, title: &'static str, most: usize) -> Vec<Section<'a>> {
+    pub(crate) fn rows(&mut self, key: &'static str, title: &'static str, most: usize) -> Vec<TableReader<'a>> {
         let Some(items) = self.list(key) else { return Vec::new() };
         if items.len() > most {
             self.error(key, format!("{title} has {} rows, at most {most} are allowed", items.len()));
@@ -228,7 +233,7 @@ impl<'a> Section<'a> {
         let mut rows = Vec::with_capacity(items.len().min(most));
         for item in items.iter().take(most) {
             match &item.value {
-                Value::Table(table) => rows.push(Section::new(table, item.place.clone(), title, self.check)),
+                TomlValue::Table(table) => rows.push(TableReader::new(table, item.place.clone(), title, self.check)),
                 other => self.check.error(&item.place, format!("{title} must be a table, this is {}", other.kind())),
             }
         }
@@ -246,18 +251,18 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn wrong_type<T>(&self, key: &str, node: &Node, expected: &str, found: &Value) -> Option<T> {
+    fn wrong_type<T>(&self, key: &str, node: &Node, expected: &str, found: &TomlValue) -> Option<T> {
         self.check.error(&node.place, format!("`{key}` must be {expected}, not {}", found.kind()));
         None
     }
 }
 
 /// Finite number of a node.
-pub(crate) fn number(node: &Node, key: &str, check: &Check) -> Option<f64> {
+pub(crate) fn number(node: &Node, key: &str, check: &FindingCollector) -> Option<f64> {
     match &node.value {
-        Value::Integer(number) => Some(*number as f64),
-        Value::Float(number) if number.is_finite() => Some(*number),
-        Value::Float(number) => {
+        TomlValue::Integer(number) => Some(*number as f64),
+        TomlValue::Float(number) if number.is_finite() => Some(*number),
+        TomlValue::Float(number) => {
             check.error(&node.place, format!("`{key}` must be a finite number, not {number}"));
             None
         }

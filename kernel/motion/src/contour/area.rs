@@ -7,15 +7,15 @@
 
 use super::element::{Element, NOISE, cross, distance};
 use super::near::{at, turned};
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// A ring that is not a closed contour with an area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Open;
+pub struct OpenRing;
 
 /// Rim and islands.
 #[derive(Debug, Clone, Default)]
-pub struct Area {
+pub struct ClearingArea {
     pub(super) rings: Vec<Vec<Element>>,
     /// How far beyond the first ring, which is not a wall, the tool goes.
     pub(super) beyond: Option<f64>,
@@ -23,16 +23,16 @@ pub struct Area {
     pub(super) earlier: Option<(f64, f64)>,
 }
 
-impl Area {
+impl ClearingArea {
     /// Takes a ring more, the rim first; how many there are.
     ///
     /// # Errors
     /// It is not closed, or has no area.
-    pub fn add(&mut self, contour: &[Element]) -> Result<usize, Open> {
-        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(Open) };
+    pub fn add(&mut self, contour: &[Element]) -> Result<usize, OpenRing> {
+        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(OpenRing) };
         let size = size(contour);
         if distance(first.from, last.to) > 1e-4 || size.abs() < NOISE {
-            return Err(Open);
+            return Err(OpenRing);
         }
         let rim = self.rings.is_empty();
         let turned = if (size > 0.0) == rim { contour.to_vec() } else { backwards(contour) };
@@ -75,8 +75,8 @@ fn begun_within(mut ring: Vec<Element>) -> Vec<Element> {
     let halves = match piece.arc {
         None => [Element { to: middle, ..piece }, Element { from: middle, ..piece }],
         Some(arc) => {
-            let half = Arc { sweep: arc.sweep / 2.0, ..arc };
-            let rest = Arc { start_angle: arc.start_angle + half.sweep, ..half };
+            let half = PlaneArc { sweep: arc.sweep / 2.0, ..arc };
+            let rest = PlaneArc { start_angle: arc.start_angle + half.sweep, ..half };
             [Element { to: middle, arc: Some(half), ..piece }, Element { from: middle, arc: Some(rest), ..piece }]
         }
     };

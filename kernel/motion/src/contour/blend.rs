@@ -8,11 +8,11 @@ use std::f64::consts::TAU;
 
 use super::corner::Offset;
 use super::element::{Element, NOISE, Spot, angle, cross, distance, dot, plus};
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// Shape of a corner, in length units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cut {
+pub enum CornerBlend {
     /// A chamfer that takes this much of each piece.
     Legs(f64),
     /// A chamfer of this length.
@@ -21,7 +21,7 @@ pub enum Cut {
     Round(f64),
 }
 
-impl Cut {
+impl CornerBlend {
     /// Its length or radius.
     #[must_use]
     pub fn size(self) -> f64 {
@@ -48,7 +48,7 @@ pub struct TooLong;
 ///
 /// # Errors
 /// [`TooLong`]: the pieces remain as they were.
-pub fn blend(first: &mut Element, second: &mut Element, cut: Cut) -> Result<Option<Element>, TooLong> {
+pub fn blend(first: &mut Element, second: &mut Element, cut: CornerBlend) -> Result<Option<Element>, TooLong> {
     if !has_corner(first, second) {
         return Ok(None);
     }
@@ -58,7 +58,7 @@ pub fn blend(first: &mut Element, second: &mut Element, cut: Cut) -> Result<Opti
 }
 
 /// The same, with a smaller cut where the pieces are too short for it; whether it is smaller.
-pub fn blend_reduced(first: &mut Element, second: &mut Element, cut: Cut) -> (Option<Element>, bool) {
+pub fn blend_reduced(first: &mut Element, second: &mut Element, cut: CornerBlend) -> (Option<Element>, bool) {
     if let Ok(made) = blend(first, second, cut) {
         return (made, false);
     }
@@ -79,7 +79,7 @@ pub fn blend_reduced(first: &mut Element, second: &mut Element, cut: Cut) -> (Op
 ///
 /// # Errors
 /// The piece whose cut does not fit, or has no piece after it.
-pub fn resolve(pieces: &[(Element, Option<Cut>)]) -> Result<Vec<Element>, usize> {
+pub fn resolve(pieces: &[(Element, Option<CornerBlend>)]) -> Result<Vec<Element>, usize> {
     let mut made: Vec<Element> = Vec::with_capacity(pieces.len());
     let mut due = None;
     for (at, (piece, cut)) in pieces.iter().enumerate() {
@@ -108,13 +108,13 @@ fn has_corner(first: &Element, second: &Element) -> bool {
 }
 
 /// The element that cuts the corner off, if it fits.
-fn element(first: &Element, second: &Element, cut: Cut) -> Option<Element> {
+fn element(first: &Element, second: &Element, cut: CornerBlend) -> Option<Element> {
     let (before, after) = (first.end(), second.start());
     let legs = match cut {
-        Cut::Round(radius) => return round(first, second, radius),
-        Cut::Legs(legs) => legs,
+        CornerBlend::Round(radius) => return round(first, second, radius),
+        CornerBlend::Legs(legs) => legs,
         // The angle between the pieces is 180 degrees less the turn.
-        Cut::Face(face) => face / (2.0 * ((1.0 + dot(before, after)) / 2.0).max(0.0).sqrt()),
+        CornerBlend::Face(face) => face / (2.0 * ((1.0 + dot(before, after)) / 2.0).max(0.0).sqrt()),
     };
     let made = Element { from: back(first, legs)?, to: ahead(second, legs)?, arc: None };
     (made.length() > NOISE).then_some(made)
@@ -131,7 +131,7 @@ fn round(first: &Element, second: &Element, radius: f64) -> Option<Element> {
     let (from, to) = touches(center)?;
     let start_angle = angle(center, from);
     let sweep = ((angle(center, to) - start_angle) * side).rem_euclid(TAU) * side;
-    let arc = Arc { center, radius, start_angle, sweep };
+    let arc = PlaneArc { center, radius, start_angle, sweep };
     (sweep.abs() > 1e-9).then_some(Element { from, to, arc: Some(arc) })
 }
 
@@ -173,7 +173,7 @@ fn ahead(element: &Element, by: f64) -> Option<Spot> {
 }
 
 /// The spot of an arc whose chord from an angle has this length.
-fn chord(arc: &Arc, from: f64, length: f64, way: f64) -> Option<Spot> {
+fn chord(arc: &PlaneArc, from: f64, length: f64, way: f64) -> Option<Spot> {
     let half = length / (2.0 * arc.radius);
     if half > 1.0 {
         return None;
@@ -209,9 +209,9 @@ mod tests {
     fn chamfers_and_roundings_between_lines() {
         let pieces = || (line([0.0, 0.0], [40.0, 0.0]), line([40.0, 0.0], [40.0, 30.0]));
         for (cut, from, to) in [
-            (Cut::Round(5.0), [35.0, 0.0], [40.0, 5.0]),
-            (Cut::Legs(4.0), [36.0, 0.0], [40.0, 4.0]),
-            (Cut::Face(4.0), [40.0 - 8.0_f64.sqrt(), 0.0], [40.0, 8.0_f64.sqrt()]),
+            (CornerBlend::Round(5.0), [35.0, 0.0], [40.0, 5.0]),
+            (CornerBlend::Legs(4.0), [36.0, 0.0], [40.0, 4.0]),
+            (CornerBlend::Face(4.0), [40.0 - 8.0_f64.sqrt(), 0.0], [40.0, 8.0_f64.sqrt()]),
         ] {
             let (mut first, mut second) = pieces();
             let between = blend(&mut first, &mut second, cut).unwrap().unwrap();
@@ -220,7 +220,7 @@ mod tests {
             assert_eq!((first.to, second.from), (between.from, between.to));
         }
         let (mut first, mut second) = pieces();
-        let arc = blend(&mut first, &mut second, Cut::Round(5.0)).unwrap().unwrap().arc.unwrap();
+        let arc = blend(&mut first, &mut second, CornerBlend::Round(5.0)).unwrap().unwrap().arc.unwrap();
         near(arc.center, [35.0, 5.0]);
         assert!(arc.sweep > 0.0);
     }
@@ -231,7 +231,7 @@ mod tests {
         let mut first = line([0.0, 0.0], [10.0, 0.0]);
         let arc = by_center([10.0, 0.0], [30.0, 0.0], [20.0, 0.0], true).unwrap();
         let mut second = Element { from: [10.0, 0.0], to: [30.0, 0.0], arc: Some(arc) };
-        let between = blend(&mut first, &mut second, Cut::Round(2.0)).unwrap().unwrap();
+        let between = blend(&mut first, &mut second, CornerBlend::Round(2.0)).unwrap().unwrap();
         // Two above the line and twelve from the centre of the half circle.
         near(between.arc.unwrap().center, [20.0 - 140.0_f64.sqrt(), 2.0]);
         near(first.to, [20.0 - 140.0_f64.sqrt(), 0.0]);
@@ -242,20 +242,20 @@ mod tests {
     #[test]
     fn no_more_than_there_is() {
         let (mut first, mut second) = (line([0.0, 0.0], [3.0, 0.0]), line([3.0, 0.0], [3.0, 30.0]));
-        assert_eq!(blend(&mut first, &mut second, Cut::Round(5.0)), Err(TooLong));
-        let (made, reduced) = blend_reduced(&mut first, &mut second, Cut::Round(5.0));
+        assert_eq!(blend(&mut first, &mut second, CornerBlend::Round(5.0)), Err(TooLong));
+        let (made, reduced) = blend_reduced(&mut first, &mut second, CornerBlend::Round(5.0));
         assert!(reduced && (made.unwrap().arc.unwrap().radius - 3.0).abs() < 1e-8 && first.length() < 1e-7);
         let mut straight = (line([0.0, 0.0], [3.0, 0.0]), line([3.0, 0.0], [6.0, 0.0]));
-        assert_eq!(blend(&mut straight.0, &mut straight.1, Cut::Legs(1.0)), Ok(None));
+        assert_eq!(blend(&mut straight.0, &mut straight.1, CornerBlend::Legs(1.0)), Ok(None));
         let mut back = (line([0.0, 0.0], [3.0, 0.0]), line([3.0, 0.0], [0.0, 0.0]));
-        assert_eq!(blend(&mut back.0, &mut back.1, Cut::Round(1.0)), Err(TooLong));
+        assert_eq!(blend(&mut back.0, &mut back.1, CornerBlend::Round(1.0)), Err(TooLong));
     }
 
     #[test]
     fn a_contour_is_resolved_to_plain_elements() {
         let square = [
-            (line([0.0, 0.0], [10.0, 0.0]), Some(Cut::Legs(10.0))),
-            (line([10.0, 0.0], [10.0, 20.0]), Some(Cut::Round(2.0))),
+            (line([0.0, 0.0], [10.0, 0.0]), Some(CornerBlend::Legs(10.0))),
+            (line([10.0, 0.0], [10.0, 20.0]), Some(CornerBlend::Round(2.0))),
             (line([10.0, 20.0], [0.0, 20.0]), None),
         ];
         let made = resolve(&square).unwrap();

@@ -5,8 +5,8 @@
 //! not, the tool begins again. A blank is cut from outside of it. *Invariant:* every element lies on a rim of the room
 //! of the tool's centre, or within it.
 
-use super::area::Area;
-use super::closed::{Closed, is_clear};
+use super::area::ClearingArea;
+use super::closed::{ClosedContour, is_clear};
 use super::crossing::{crossings, heights};
 use super::element::{Element, Spot, distance};
 use super::meet::meetings;
@@ -23,45 +23,46 @@ pub struct Clearing {
     /// Along the walls, with the area on the left.
     ways: Vec<Vec<Element>>,
     /// Rims of where the middle of the tool may be.
-    room: Vec<Closed>,
+    room: Vec<ClosedContour>,
     /// The blank that the tool enters from outside.
-    blank: Option<Closed>,
+    blank: Option<ClosedContour>,
 }
 
 impl Clearing {
     /// With a tool whose middle keeps away from walls by an amount; none if it fits nowhere, or the walls have too many
     /// elements.
     #[must_use]
-    pub fn of(area: &Area, by: f64) -> Option<Self> {
-        let rings: Vec<Closed> = area.rings.iter().map(|ring| Closed::open(ring.clone())).collect();
+    pub fn of(area: &ClearingArea, by: f64) -> Option<Self> {
+        let rings: Vec<ClosedContour> = area.rings.iter().map(|ring| ClosedContour::open(ring.clone())).collect();
         match area.beyond {
             Some(beyond) => Self::of_blank(area, (&rings, by), beyond),
             None => Self::of_pocket(area, &rings, by),
         }
     }
 
-    fn of_pocket(area: &Area, rings: &[Closed], by: f64) -> Option<Self> {
+    fn of_pocket(area: &ClearingArea, rings: &[ClosedContour], by: f64) -> Option<Self> {
         if let Some((radius, away)) = area.earlier {
             let left = remaining(rings, away, by - away, radius)?;
             return Some(Self::round(left, None));
         }
         if let Some(ways) = plain(&area.rings, rings, by).filter(|ways| are_inside(ways, rings)) {
-            let room = ways.iter().cloned().map(Closed::open).collect();
+            let room = ways.iter().cloned().map(ClosedContour::open).collect();
             return Some(Self { ways, room, blank: None });
         }
         let room = eroded(rings, by).filter(|room| !room.is_empty())?;
         Some(Self::round(room, None))
     }
 
-    fn of_blank(area: &Area, (rings, by): (&[Closed], f64), beyond: f64) -> Option<Self> {
+    fn of_blank(area: &ClearingArea, (rings, by): (&[ClosedContour], f64), beyond: f64) -> Option<Self> {
         let (blank, spigots) = rings.split_at_checked(1)?;
         let walls = area.rings.get(1..)?;
-        let outside = |outer: &[Closed], held: &[Closed]| of_two(outer, held, |outer, held| outer && !held);
+        let outside =
+            |outer: &[ClosedContour], held: &[ClosedContour]| of_two(outer, held, |outer, held| outer && !held);
         let ways = match plain(walls, spigots, by) {
             Some(ways) => ways,
             None => grown(spigots, by)?.iter().map(|way| way.reversed().from_longest().elements().to_vec()).collect(),
         };
-        let held: Vec<Closed> = ways.iter().cloned().map(Closed::open).collect();
+        let held: Vec<ClosedContour> = ways.iter().cloned().map(ClosedContour::open).collect();
         let room = outside(&grown(blank, beyond)?, &held)?;
         let blank_rim = blank.first().cloned();
         let Some((radius, away)) = area.earlier else { return Some(Self { ways, room, blank: blank_rim }) };
@@ -72,7 +73,7 @@ impl Clearing {
     }
 
     /// All around a room.
-    fn round(room: Vec<Closed>, blank: Option<Closed>) -> Self {
+    fn round(room: Vec<ClosedContour>, blank: Option<ClosedContour>) -> Self {
         let ways = room.iter().map(|ring| ring.from_longest().elements().to_vec()).collect();
         Self { ways, room, blank }
     }
@@ -80,7 +81,7 @@ impl Clearing {
     /// Cuts that follow each other, not further apart than a step, of a number of lines at most.
     #[must_use]
     pub fn rows(&self, step: f64, most: u32) -> Vec<Vec<Element>> {
-        let elements = || self.room.iter().flat_map(Closed::elements);
+        let elements = || self.room.iter().flat_map(ClosedContour::elements);
         let (low, high) = heights(elements());
         if !(high > low && step > 0.0) {
             return Vec::new();
@@ -164,13 +165,13 @@ fn ends(rows: &[Vec<Element>]) -> impl Iterator<Item = Spot> {
 }
 
 /// Paths beside all rings, if each keeps away from all walls.
-fn plain(rings: &[Vec<Element>], walls: &[Closed], by: f64) -> Option<Vec<Vec<Element>>> {
+fn plain(rings: &[Vec<Element>], walls: &[ClosedContour], by: f64) -> Option<Vec<Vec<Element>>> {
     let ways: Option<Vec<_>> = rings.iter().map(|ring| shifted(ring, 1.0, by)).collect();
     ways.filter(|ways| ways.iter().flatten().all(|piece| is_clear(piece, walls, by)))
 }
 
 /// Whether paths lie in the area: one that keeps its distance does not leave the area it begins in.
-fn are_inside(ways: &[Vec<Element>], rings: &[Closed]) -> bool {
+fn are_inside(ways: &[Vec<Element>], rings: &[ClosedContour]) -> bool {
     let inside = |spot: Spot| rings.iter().filter(|ring| ring.holds(spot)).count() % 2 == 1;
     ways.iter().all(|way| way.first().is_some_and(|first| inside(first.from)))
 }

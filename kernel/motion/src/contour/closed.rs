@@ -4,12 +4,12 @@
 //! path that comes too near to any contour is none, so doubtful cases are refused, not guessed.
 
 use super::area::{backwards, size};
-use super::blend::{Cut as Blend, blend_reduced};
+use super::blend::{CornerBlend as Blend, blend_reduced};
 use super::crossing::{crossings, heights};
 use super::element::{Element, NOISE, Spot, direction, distance};
 use super::near::{at, nearest};
 use super::shifted;
-use crate::arc::{Arc, by_center};
+use crate::arc::{PlaneArc, by_center};
 
 /// How much nearer than it should a path may come.
 const NEAR: f64 = 1e-5;
@@ -19,11 +19,11 @@ const MOST: usize = 10_000;
 
 /// A closed contour.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Closed {
+pub struct ClosedContour {
     elements: Vec<Element>,
 }
 
-impl Closed {
+impl ClosedContour {
     /// Of elements that follow each other; a gap between the end and the start is closed by a line. None for fewer than
     /// two.
     #[must_use]
@@ -68,7 +68,7 @@ impl Closed {
         }
         let of = |element: &Element| {
             let (from, to) = (turned_by(element.from, degrees), turned_by(element.to, degrees));
-            let arc = element.arc.map(|arc| Arc {
+            let arc = element.arc.map(|arc| PlaneArc {
                 center: turned_by(arc.center, degrees),
                 start_angle: arc.start_angle + degrees.to_radians(),
                 ..arc
@@ -152,7 +152,7 @@ fn piece(element: &Element, from: Spot, to: Spot) -> Element {
 
 /// Whether every spot of an element keeps away from contours by an amount.
 #[must_use]
-pub fn is_clear(element: &Element, contours: &[Closed], amount: f64) -> bool {
+pub fn is_clear(element: &Element, contours: &[ClosedContour], amount: f64) -> bool {
     contours.iter().flat_map(|contour| &contour.elements).all(|other| nearest(element, other) >= amount - NEAR)
 }
 
@@ -162,7 +162,7 @@ pub type Cut = (Spot, Spot);
 /// Cuts between closed paths, to and fro, at most `apart`; cuts that follow each other through room that is free make
 /// one row. The paths are those of the middle of a tool. None where there would be too many.
 #[must_use]
-pub fn cuts(ways: &[Closed], apart: f64, is_free: impl Fn(&Element) -> bool) -> Option<Vec<Vec<Cut>>> {
+pub fn cuts(ways: &[ClosedContour], apart: f64, is_free: impl Fn(&Element) -> bool) -> Option<Vec<Vec<Cut>>> {
     let elements = || ways.iter().flat_map(|way| &way.elements);
     let (low, high) = heights(elements());
     let count = ((high - low) / apart).ceil();
@@ -209,10 +209,10 @@ pub fn cuts(ways: &[Closed], apart: f64, is_free: impl Fn(&Element) -> bool) -> 
 mod tests {
     use super::*;
 
-    fn square(size: f64) -> Closed {
+    fn square(size: f64) -> ClosedContour {
         let spots = [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]];
         let sides = (0..4).map(|at| Element { from: spots[at], to: spots[(at + 1) % 4], arc: None });
-        Closed::new(sides.collect()).unwrap()
+        ClosedContour::new(sides.collect()).unwrap()
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
         let way = Element { from: [0.0, 5.0], to: [500.0, 5.0], arc: None };
         let spots = [[7.2, 9.0], [8.4, 9.0], [8.4, 10.0], [7.2, 10.0]];
         let sides = (0..4).map(|at| Element { from: spots[at], to: spots[(at + 1) % 4], arc: None });
-        let island = [Closed::new(sides.collect()).unwrap()];
+        let island = [ClosedContour::new(sides.collect()).unwrap()];
         assert!(is_clear(&way, &island, 4.0) && !is_clear(&way, &island, 4.1));
     }
 
@@ -248,7 +248,7 @@ mod tests {
         let rows = cuts(&[square(10.0)], 4.0, |_| true).unwrap();
         assert_eq!(rows.len(), 1);
         assert_eq!(rows[0].len(), 2);
-        let island = Closed::new(vec![
+        let island = ClosedContour::new(vec![
             Element { from: [4.0, 4.0], to: [6.0, 4.0], arc: None },
             Element { from: [6.0, 4.0], to: [6.0, 6.0], arc: None },
             Element { from: [6.0, 6.0], to: [4.0, 6.0], arc: None },

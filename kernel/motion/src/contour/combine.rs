@@ -8,18 +8,18 @@
 use std::f64::consts::{PI, TAU};
 
 use super::area::size;
-use super::closed::Closed;
+use super::closed::ClosedContour;
 use super::element::{Element, NOISE, Spot, angle, cross, distance, dot, plus};
 use super::meet::{SAME, meetings};
 use super::near::{at, to_piece, turned};
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// Most pieces of a rim.
 const MOST_PIECES: usize = 10_000;
 
 /// A piece between two points where contours meet, by their numbers.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct SplitElement {
     element: Element,
     from: usize,
     to: usize,
@@ -41,16 +41,16 @@ impl Spots {
 
 /// Whether two contours have a point in common.
 #[must_use]
-pub fn touch(a: &Closed, b: &Closed) -> bool {
+pub fn touch(a: &ClosedContour, b: &ClosedContour) -> bool {
     a.elements().iter().any(|one| b.elements().iter().any(|other| !meetings(one, other).is_empty()))
 }
 
 /// The area where `inside` says so of the contours that hold a point; none if its rim does not close.
 #[must_use]
-pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option<Vec<Closed>> {
-    let mut rim: Vec<Piece> = Vec::new();
+pub fn combined(contours: &[ClosedContour], inside: impl Fn(&[bool]) -> bool) -> Option<Vec<ClosedContour>> {
+    let mut rim: Vec<SplitElement> = Vec::new();
     let against: Vec<bool> = contours.iter().map(|contour| size(contour.elements()) < 0.0).collect();
-    let reaches: Vec<Reach> = contours.iter().map(Reach::of).collect();
+    let reaches: Vec<ContourBounds> = contours.iter().map(ContourBounds::of).collect();
     for piece in pieces(contours)? {
         let middle = at(&piece.element, 0.5);
         let along = heading(&piece.element, middle);
@@ -80,9 +80,9 @@ pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option
             continue;
         }
         let piece =
-            if left { piece } else { Piece { element: turned(&piece.element), from: piece.to, to: piece.from } };
+            if left { piece } else { SplitElement { element: turned(&piece.element), from: piece.to, to: piece.from } };
         // Contours on top of each other give a piece of the rim once.
-        let is_there = |other: &Piece| {
+        let is_there = |other: &SplitElement| {
             (other.from, other.to) == (piece.from, piece.to) && distance(at(&other.element, 0.5), middle) < 4.0 * SAME
         };
         if !rim.iter().any(is_there) {
@@ -93,8 +93,8 @@ pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option
 }
 
 /// All elements, cut where they meet elements of any contour.
-fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
-    let elements: Vec<Element> = contours.iter().flat_map(Closed::elements).copied().collect();
+fn pieces(contours: &[ClosedContour]) -> Option<Vec<SplitElement>> {
+    let elements: Vec<Element> = contours.iter().flat_map(ClosedContour::elements).copied().collect();
     let mut spots = Spots::default();
     let mut pieces = Vec::new();
     for (number, element) in elements.iter().enumerate() {
@@ -107,7 +107,7 @@ fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
         for to in cuts.into_iter().chain([element.to]) {
             let part = if here == element.from && to == element.to { *element } else { element.between(here, to) };
             if part.arc.is_some() || distance(here, to) > NOISE {
-                pieces.push(Piece { element: part, from: spots.number(here), to: spots.number(to) });
+                pieces.push(SplitElement { element: part, from: spots.number(here), to: spots.number(to) });
             }
             here = to;
         }
@@ -120,13 +120,13 @@ fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
 
 /// A rectangle around a contour; a point outside is neither on the contour nor in it.
 #[derive(Debug, Clone, Copy)]
-struct Reach {
+struct ContourBounds {
     low: Spot,
     high: Spot,
 }
 
-impl Reach {
-    fn of(contour: &Closed) -> Self {
+impl ContourBounds {
+    fn of(contour: &ClosedContour) -> Self {
         let none = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
         contour.elements().iter().fold(none, |mut reach, element| {
             let spots = match &element.arc {
@@ -173,14 +173,14 @@ fn heading(piece: &Element, spot: Spot) -> Spot {
 }
 
 /// Pieces one after the other, at each spot the one that leaves the least of the area between.
-fn rings(mut rim: Vec<Piece>) -> Option<Vec<Closed>> {
+fn rings(mut rim: Vec<SplitElement>) -> Option<Vec<ClosedContour>> {
     let mut rings = Vec::new();
     while !rim.is_empty() {
         let first = rim.remove(0);
         let mut ring = vec![first.element];
         let (start, mut here, mut along) = (first.from, first.to, first.element.end());
         while here != start {
-            let turn = |piece: &Piece| {
+            let turn = |piece: &SplitElement| {
                 let next = piece.element.start();
                 let turn = libm::atan2(cross(along, next), dot(along, next));
                 // Straight back is the sharpest turn to the right.
@@ -196,7 +196,7 @@ fn rings(mut rim: Vec<Piece>) -> Option<Vec<Closed>> {
             ring.push(piece.element);
             (here, along) = (piece.to, piece.element.end());
         }
-        rings.push(Closed::new(joined(ring))?);
+        rings.push(ClosedContour::new(joined(ring))?);
     }
     Some(rings)
 }
@@ -234,7 +234,7 @@ fn one(a: &Element, b: &Element) -> Option<Element> {
                 && (one.radius - other.radius).abs() < SAME
                 && (one.sweep > 0.0) == (other.sweep > 0.0)
                 && (one.sweep + other.sweep).abs() < TAU + 1e-9;
-            same.then_some(Arc { sweep: one.sweep + other.sweep, ..*one })?
+            same.then_some(PlaneArc { sweep: one.sweep + other.sweep, ..*one })?
         }
         _ => return None,
     };
@@ -245,19 +245,19 @@ fn one(a: &Element, b: &Element) -> Option<Element> {
 pub(super) mod tests {
     use super::*;
 
-    pub(in crate::contour) fn square(x: f64, y: f64, size: f64) -> Closed {
+    pub(in crate::contour) fn square(x: f64, y: f64, size: f64) -> ClosedContour {
         let corners = [[x, y], [x + size, y], [x + size, y + size], [x, y + size]];
         let sides = (0..4).map(|at| Element { from: corners[at], to: corners[(at + 1) % 4], arc: None });
-        Closed::new(sides.collect()).unwrap()
+        ClosedContour::new(sides.collect()).unwrap()
     }
 
-    pub(in crate::contour) fn circle(center: Spot, radius: f64) -> Closed {
+    pub(in crate::contour) fn circle(center: Spot, radius: f64) -> ClosedContour {
         let from = [center[0] + radius, center[1]];
-        let arc = Arc { center, radius, start_angle: 0.0, sweep: -TAU };
-        Closed::new(vec![Element { from, to: from, arc: Some(arc) }]).unwrap()
+        let arc = PlaneArc { center, radius, start_angle: 0.0, sweep: -TAU };
+        ClosedContour::new(vec![Element { from, to: from, arc: Some(arc) }]).unwrap()
     }
 
-    fn sizes(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Vec<f64> {
+    fn sizes(contours: &[ClosedContour], inside: impl Fn(&[bool]) -> bool) -> Vec<f64> {
         let rings = combined(contours, inside).unwrap();
         rings.iter().map(|ring| (size(ring.elements()) * 1e6).round() / 1e6).collect()
     }
@@ -319,7 +319,7 @@ pub(super) mod tests {
             let count = 2 + (dice.next() * 4.0) as usize;
             // Coordinates on a grid make sides that lie on each other and corners that touch.
             let mut whole = |most: f64| (dice.next() * most).floor();
-            let contours: Vec<Closed> = (0..count)
+            let contours: Vec<ClosedContour> = (0..count)
                 .map(|_| {
                     let (x, y, size) = (whole(8.0), whole(8.0), 1.0 + whole(6.0));
                     if whole(2.0) == 0.0 { square(x, y, size) } else { circle([x, y], size) }

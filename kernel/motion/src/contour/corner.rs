@@ -17,12 +17,12 @@ pub struct Offset {
     /// Cosine of the largest turn that 0 makes sharp.
     pub limit: f64,
     /// Limits of 1 and 2; none for corners that are always sharp or round.
-    pub shape: Option<Shape>,
+    pub shape: Option<CornerThresholds>,
 }
 
 /// Outside corners whose kind depends on the turn (Siemens G450, G451, DISC).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape {
+pub struct CornerThresholds {
     /// Cosine of the largest turn at which sharp corners continue to the intersection of the offsets; larger turns are
     /// round.
     pub sharp: f64,
@@ -50,7 +50,7 @@ pub enum Link {
 
 /// The end of one piece and the path to the next.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Corner {
+pub struct CornerPath {
     /// Where the offset of the first piece ends.
     pub end: Spot,
     /// Moves to the start of the offset of the next piece.
@@ -71,18 +71,18 @@ impl Offset {
     }
 
     /// Between two pieces; `here` is where the tool is before the first one.
-    pub fn between(&self, first: &Element, second: &Element, here: Spot) -> Corner {
+    pub fn between(&self, first: &Element, second: &Element, here: Spot) -> CornerPath {
         let small = first.is_smaller(self.side, self.radius);
         let (end, start) = (self.at_end(first), self.at_start(second));
         if distance(end, start) < NOISE {
-            return Corner { end, links: Vec::new(), hurts: small };
+            return CornerPath { end, links: Vec::new(), hurts: small };
         }
         let turn = cross(first.end(), second.start()) * self.side;
         if turn > 0.0 && distance(first.end(), second.start()) < 2.0 - NOISE {
             return self.inside(first, second, here, small);
         }
         if let Some((meets, links)) = self.beyond(first, second) {
-            return Corner { end: meets, links, hurts: small };
+            return CornerPath { end: meets, links, hurts: small };
         }
         let mut links = self.outside(first.to, first.end(), second);
         // A straight piece continues to where its offset is left.
@@ -91,12 +91,12 @@ impl Offset {
             end = *to;
             links.remove(0);
         }
-        Corner { end, links, hurts: small }
+        CornerPath { end, links, hurts: small }
     }
 
     /// Between two pieces; outside both offsets continue by a length before an arc joins them, at most to where they
     /// meet.
-    pub fn extended(&self, first: &Element, second: &Element, here: Spot, by: f64) -> Corner {
+    pub fn extended(&self, first: &Element, second: &Element, here: Spot, by: f64) -> CornerPath {
         let (before, after) = (first.end(), second.start());
         let (end, start) = (self.at_end(first), self.at_start(second));
         let turn = cross(before, after) * self.side;
@@ -121,18 +121,18 @@ impl Offset {
             links.push(Link::Line(start));
         }
         let end = if first.arc.is_some() { end } else { leaves };
-        Corner { end, links, hurts: first.is_smaller(self.side, self.radius) }
+        CornerPath { end, links, hurts: first.is_smaller(self.side, self.radius) }
     }
 
-    fn inside(&self, first: &Element, second: &Element, here: Spot, small: bool) -> Corner {
+    fn inside(&self, first: &Element, second: &Element, here: Spot, small: bool) -> CornerPath {
         let (end, start) = (self.at_end(first), self.at_start(second));
         let fits = |spot: &Spot| first.share(*spot) >= first.share(here) - 1e-6 && second.share(*spot) <= 1.0 + 1e-6;
         let near = |a: &Spot, b: &Spot| distance(*a, first.to).total_cmp(&distance(*b, first.to));
         let crossings = self.crossings(first, second);
         let cut = crossings.into_iter().flatten().filter(|spot| spot.iter().all(|part| part.is_finite()));
         match cut.filter(fits).min_by(near) {
-            Some(cut) if !small => Corner { end: cut, links: Vec::new(), hurts: false },
-            _ => Corner { end, links: vec![Link::Line(start)], hurts: true },
+            Some(cut) if !small => CornerPath { end: cut, links: Vec::new(), hurts: false },
+            _ => CornerPath { end, links: vec![Link::Line(start)], hurts: true },
         }
     }
 
@@ -321,7 +321,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::arc::Arc;
+    use crate::arc::PlaneArc;
 
     fn line(from: Spot, to: Spot) -> Element {
         Element { from, to, arc: None }
@@ -334,13 +334,13 @@ mod tests {
     #[test]
     fn inside_the_offsets_cut_each_other() {
         let corner = left(0).between(&line([0.0, 0.0], [10.0, 0.0]), &line([10.0, 0.0], [10.0, 10.0]), [0.0, 2.0]);
-        assert_eq!(corner, Corner { end: [8.0, 2.0], links: Vec::new(), hurts: false });
+        assert_eq!(corner, CornerPath { end: [8.0, 2.0], links: Vec::new(), hurts: false });
     }
 
     #[test]
     fn a_tangential_transition_may_miss_by_what_the_end_of_the_arc_is_rounded() {
         // A quarter circle about [0, 10], whose end is a thousandth farther from the centre than its start.
-        let arc = Arc { center: [0.0, 10.0], radius: 10.0, start_angle: -PI / 2.0, sweep: PI / 2.0 };
+        let arc = PlaneArc { center: [0.0, 10.0], radius: 10.0, start_angle: -PI / 2.0, sweep: PI / 2.0 };
         let first = Element { from: [0.0, 0.0], to: [10.001, 10.0], arc: Some(arc) };
         for x in [10.001, 10.0, 9.995] {
             let corner = left(0).between(&first, &line([10.001, 10.0], [x, 30.0]), [0.0, 2.0]);
@@ -348,7 +348,7 @@ mod tests {
             assert!(distance(corner.end, [8.0, 10.0]) < 0.13, "{x}: {corner:?}");
         }
         // The same from one arc into another one that turns the same way.
-        let arc = Arc { center: [5.0, 10.0], radius: 5.001, start_angle: 0.0, sweep: PI / 2.0 };
+        let arc = PlaneArc { center: [5.0, 10.0], radius: 5.001, start_angle: 0.0, sweep: PI / 2.0 };
         let second = Element { from: [10.001, 10.0], to: [5.0, 15.001], arc: Some(arc) };
         let corner = left(0).between(&first, &second, [0.0, 2.0]);
         assert!(!corner.hurts, "{corner:?}");
@@ -358,21 +358,26 @@ mod tests {
     fn outside_they_are_joined_sharp_or_round() {
         let (first, second) = (line([0.0, 0.0], [10.0, 0.0]), line([10.0, 0.0], [10.0, -10.0]));
         let sharp = left(1).between(&first, &second, [0.0, 2.0]);
-        assert_eq!(sharp, Corner { end: [12.0, 2.0], links: Vec::new(), hurts: false });
+        assert_eq!(sharp, CornerPath { end: [12.0, 2.0], links: Vec::new(), hurts: false });
         let round = left(2).between(&first, &second, [0.0, 2.0]);
         let link = Link::Round { to: [12.0, 0.0], center: [10.0, 0.0], clockwise: true };
-        assert_eq!(round, Corner { end: [10.0, 2.0], links: vec![link], hurts: false });
+        assert_eq!(round, CornerPath { end: [10.0, 2.0], links: vec![link], hurts: false });
     }
 
     #[test]
     fn round_corners_are_distorted_into_arcs_that_touch_each_other() {
-        let shape = Shape { sharp: -0.2, flat: 1.0, distortion: 0.0 };
+        let shape = CornerThresholds { sharp: -0.2, flat: 1.0, distortion: 0.0 };
         for (turn, by) in [(20.0_f64, 0.1), (90.0, 0.5), (90.0, 0.9), (150.0, 0.3), (179.0, 0.5)] {
             for side in [1.0, -1.0] {
                 let (sine, cosine) = (turn * -side).to_radians().sin_cos();
                 let (first, second) = (line([-9.0, 0.0], [0.0, 0.0]), line([0.0, 0.0], [9.0 * cosine, 9.0 * sine]));
-                let offset =
-                    Offset { side, radius: 2.0, corner: 2, limit: 0.0, shape: Some(Shape { distortion: by, ..shape }) };
+                let offset = Offset {
+                    side,
+                    radius: 2.0,
+                    corner: 2,
+                    limit: 0.0,
+                    shape: Some(CornerThresholds { distortion: by, ..shape }),
+                };
                 let corner = offset.between(&first, &second, [-9.0, 2.0 * side]);
                 assert_eq!(corner.links.len(), 4, "{turn} {by}");
                 let mut here = (corner.end, [1.0, 0.0]);
@@ -398,7 +403,7 @@ mod tests {
 
     #[test]
     fn sharp_corners_end_at_their_limit() {
-        let offset = Offset { shape: Some(Shape { sharp: -0.17, flat: 0.98, distortion: 0.0 }), ..left(1) };
+        let offset = Offset { shape: Some(CornerThresholds { sharp: -0.17, flat: 0.98, distortion: 0.0 }), ..left(1) };
         let to = |turn: f64| line([0.0, 0.0], [9.0 * turn.to_radians().cos(), -9.0 * turn.to_radians().sin()]);
         let first = line([-9.0, 0.0], [0.0, 0.0]);
         for turn in [5.0, 60.0, 99.0] {

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// Two coordinates of the plane.
 pub type Spot = [f64; 2];
@@ -55,7 +55,7 @@ pub struct Element {
     /// End.
     pub to: Spot,
     /// The arc between them; none for a line.
-    pub arc: Option<Arc>,
+    pub arc: Option<PlaneArc>,
 }
 
 impl Element {
@@ -83,7 +83,7 @@ impl Element {
 
     /// Length of the path along it.
     pub fn length(&self) -> f64 {
-        self.arc.as_ref().map_or_else(|| distance(self.from, self.to), Arc::length)
+        self.arc.as_ref().map_or_else(|| distance(self.from, self.to), PlaneArc::length)
     }
 
     /// Radius of the offset of an arc; none if the tool does not fit in.
@@ -112,7 +112,7 @@ impl Element {
             // Nothing of it, not almost a whole turn.
             let way = if TAU - way < 1e-9 && arc.sweep.abs() < TAU - 1e-9 { 0.0 } else { way };
             let turns = ((arc.sweep.abs() - way) / TAU + 1e-9).floor().max(0.0);
-            Arc { start_angle, sweep: turn * (way + turns * TAU), ..arc }
+            PlaneArc { start_angle, sweep: turn * (way + turns * TAU), ..arc }
         });
         Self { from, to, arc }
     }
@@ -133,7 +133,7 @@ impl Element {
 }
 
 /// Direction of an arc at one of its points.
-fn along(arc: &Arc, spot: Spot) -> Spot {
+fn along(arc: &PlaneArc, spot: Spot) -> Spot {
     let [x, y] = plus(spot, arc.center, -1.0);
     let length = (x * x + y * y).sqrt().max(f64::MIN_POSITIVE);
     let turn = arc.sweep.signum();

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::element::{Element, NOISE, Spot, angle, distance, dot, plus};
 use super::near::to_piece;
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// Spots that are nearer than this are one.
 pub(super) const SAME: f64 = 1e-6;
@@ -45,7 +45,7 @@ fn lines(a: &Element, b: &Element) -> Vec<Spot> {
     vec![plus(a.from, along, super::element::cross(plus(b.from, a.from, -1.0), other) / by)]
 }
 
-fn line_and_circle(line: &Element, arc: &Arc) -> Vec<Spot> {
+fn line_and_circle(line: &Element, arc: &PlaneArc) -> Vec<Spot> {
     let along = line.start();
     let foot = plus(line.from, along, dot(plus(arc.center, line.from, -1.0), along));
     let off = distance(foot, arc.center);
@@ -60,7 +60,7 @@ fn line_and_circle(line: &Element, arc: &Arc) -> Vec<Spot> {
     vec![plus(foot, along, half.sqrt()), plus(foot, along, -half.sqrt())]
 }
 
-fn circles(a: &Arc, b: &Arc) -> Vec<Spot> {
+fn circles(a: &PlaneArc, b: &PlaneArc) -> Vec<Spot> {
     let way = plus(b.center, a.center, -1.0);
     let off = distance(way, [0.0; 2]);
     if off < NOISE {
@@ -91,7 +91,7 @@ mod tests {
 
     fn circle(center: Spot, radius: f64) -> Element {
         let from = plus(center, [radius, 0.0], 1.0);
-        Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }
+        Element { from, to: from, arc: Some(PlaneArc { center, radius, start_angle: 0.0, sweep: TAU }) }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use super::element::{Element, NOISE, Spot, angle, cross, distance, plus};
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// A spot of a piece by its share.
 pub(super) fn at(piece: &Element, share: f64) -> Spot {
@@ -16,7 +16,7 @@ pub(super) fn at(piece: &Element, share: f64) -> Spot {
 }
 
 /// A spot of the circle of an arc.
-pub(super) fn on(arc: &Arc, angle: f64) -> Spot {
+pub(super) fn on(arc: &PlaneArc, angle: f64) -> Spot {
     plus(arc.center, [libm::cos(angle), libm::sin(angle)], arc.radius)
 }
 
@@ -37,14 +37,14 @@ pub(super) fn to_piece(piece: &Element, spot: Spot) -> f64 {
 }
 
 /// Whether a direction from the centre of an arc is one of the arc.
-fn has(arc: &Arc, direction: Spot) -> bool {
+fn has(arc: &PlaneArc, direction: Spot) -> bool {
     let way = ((angle([0.0; 2], direction) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
     way <= arc.sweep.abs() + 1e-12
 }
 
 /// A piece in the opposite direction.
 pub(super) fn turned(piece: &Element) -> Element {
-    let arc = piece.arc.map(|arc| Arc { start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc });
+    let arc = piece.arc.map(|arc| PlaneArc { start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc });
     Element { from: piece.to, to: piece.from, arc }
 }
 
@@ -66,7 +66,7 @@ pub(super) fn nearest(a: &Element, b: &Element) -> f64 {
 }
 
 /// Distance of a line and an arc between the ends of both.
-fn line_and_arc(line: &Element, arc: &Arc) -> f64 {
+fn line_and_arc(line: &Element, arc: &PlaneArc) -> f64 {
     let share = line.share(arc.center);
     let foot = at(line, share);
     let way = plus(foot, arc.center, -1.0);
@@ -89,7 +89,7 @@ fn line_and_arc(line: &Element, arc: &Arc) -> f64 {
 }
 
 /// Distance of two arcs between the ends of both.
-fn arcs(a: &Arc, b: &Arc) -> f64 {
+fn arcs(a: &PlaneArc, b: &PlaneArc) -> f64 {
     let way = plus(b.center, a.center, -1.0);
     let off = distance(way, [0.0; 2]);
     if off < NOISE {

@@ -5,11 +5,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::closed::Closed;
+use super::closed::ClosedContour;
 use super::combine::combined;
 use super::element::{Element, NOISE, Spot, beside, plus};
 use super::near::at;
-use crate::arc::Arc;
+use crate::arc::PlaneArc;
 
 /// Most elements of contours from which a tool keeps away.
 const MOST_ELEMENTS: usize = 300;
@@ -17,21 +17,25 @@ const MOST_ELEMENTS: usize = 300;
 /// Where the middle of a tool may be that keeps away from contours by an amount, inside of an odd number of them; none
 /// where they have too many elements.
 #[must_use]
-pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
+pub fn eroded(contours: &[ClosedContour], amount: f64) -> Option<Vec<ClosedContour>> {
     beside_of(contours, amount, |inside, near| inside && !near)
 }
 
 /// The area that contours enclose an odd number of times, and points nearer to it than an amount; none if the contours
 /// have too many elements.
 #[must_use]
-pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
+pub fn grown(contours: &[ClosedContour], amount: f64) -> Option<Vec<ClosedContour>> {
     beside_of(contours, amount, |inside, near| inside || near)
 }
 
 /// The area of two areas, by whether a point lies in the one and in the other.
 #[must_use]
-pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
-    let all: Vec<Closed> = one.iter().chain(other).cloned().collect();
+pub fn of_two(
+    one: &[ClosedContour],
+    other: &[ClosedContour],
+    inside: impl Fn(bool, bool) -> bool,
+) -> Option<Vec<ClosedContour>> {
+    let all: Vec<ClosedContour> = one.iter().chain(other).cloned().collect();
     let odd = |held: &[bool]| held.iter().filter(|held| **held).count() % 2 == 1;
     combined(&all, |held| {
         let (first, second) = held.split_at_checked(one.len()).unwrap_or_default();
@@ -42,7 +46,7 @@ pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> b
 /// Places where the centre of a tool reaches material that an earlier tool with a larger radius has left; both keep
 /// away from the contours by a distance besides their radii.
 #[must_use]
-pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> Option<Vec<Closed>> {
+pub fn remaining(contours: &[ClosedContour], away: f64, radius: f64, earlier: f64) -> Option<Vec<ClosedContour>> {
     let wanted = if away > NOISE { eroded(contours, away)? } else { contours.to_vec() };
     let reached = eroded(contours, away + earlier)?;
     near_left(&wanted, (&reached, earlier), (&eroded(contours, away + radius)?, radius))
@@ -51,25 +55,25 @@ pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> O
 /// Places where a tool, with its centre in the room that it reaches, touches the parts of an area that an earlier tool
 /// has left; each tool with its radius.
 pub(super) fn near_left(
-    wanted: &[Closed],
-    (earlier, size): (&[Closed], f64),
-    (reached, radius): (&[Closed], f64),
-) -> Option<Vec<Closed>> {
+    wanted: &[ClosedContour],
+    (earlier, size): (&[ClosedContour], f64),
+    (reached, radius): (&[ClosedContour], f64),
+) -> Option<Vec<ClosedContour>> {
     let cleared = grown(earlier, size)?;
     let left = of_two(wanted, &cleared, |wanted, cleared| wanted && !cleared)?;
     of_two(&grown(&left, radius)?, reached, |near, reached| near && reached)
 }
 
 /// The area from the inside of an odd number of contours, and from points nearer to one than an amount.
-fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
-    let elements = || contours.iter().flat_map(Closed::elements);
+fn beside_of(contours: &[ClosedContour], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<ClosedContour>> {
+    let elements = || contours.iter().flat_map(ClosedContour::elements);
     if elements().count() > MOST_ELEMENTS {
         return None;
     }
     let rims = contours.len();
     let discs = elements().map(|element| disc(element.from, amount));
     let bands = elements().flat_map(halves).filter_map(|element| band(&element, amount));
-    let all: Vec<Closed> = contours.iter().cloned().chain(discs).chain(bands).collect();
+    let all: Vec<ClosedContour> = contours.iter().cloned().chain(discs).chain(bands).collect();
     combined(&all, |held| {
         let (inside, near) = held.split_at_checked(rims).unwrap_or_default();
         of(inside.iter().filter(|held| **held).count() % 2 == 1, near.contains(&true))
@@ -77,9 +81,13 @@ fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) 
 }
 
 /// Elements nearer to a point than a distance.
-fn disc(center: Spot, radius: f64) -> Closed {
+fn disc(center: Spot, radius: f64) -> ClosedContour {
     let from = plus(center, [radius, 0.0], 1.0);
-    Closed::open(vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }])
+    ClosedContour::open(vec![Element {
+        from,
+        to: from,
+        arc: Some(PlaneArc { center, radius, start_angle: 0.0, sweep: TAU }),
+    }])
 }
 
 /// An element, or both halves of an arc that is longer than half a turn.
@@ -87,8 +95,8 @@ fn halves(element: &Element) -> Vec<Element> {
     match element.arc {
         Some(arc) if arc.sweep.abs() > PI => {
             let middle = at(element, 0.5);
-            let half = Arc { sweep: arc.sweep / 2.0, ..arc };
-            let rest = Arc { start_angle: arc.start_angle + half.sweep, ..half };
+            let half = PlaneArc { sweep: arc.sweep / 2.0, ..arc };
+            let rest = PlaneArc { start_angle: arc.start_angle + half.sweep, ..half };
             vec![
                 Element { from: element.from, to: middle, arc: Some(half) },
                 Element { from: middle, to: element.to, arc: Some(rest) },
@@ -99,7 +107,7 @@ fn halves(element: &Element) -> Vec<Element> {
 }
 
 /// Neighbours of an element nearer than a distance.
-fn band(element: &Element, amount: f64) -> Option<Closed> {
+fn band(element: &Element, amount: f64) -> Option<ClosedContour> {
     let side = |spot: Spot, along: Spot, side: f64| beside(spot, along, side, amount);
     let line = |from: Spot, to: Spot| Element { from, to, arc: None };
     let (begin, end) = (element.start(), element.end());
@@ -111,19 +119,19 @@ fn band(element: &Element, amount: f64) -> Option<Closed> {
             side(element.from, begin, 1.0),
         ];
         let [a, b, c, d] = corners;
-        return Closed::new(vec![line(a, b), line(b, c), line(c, d), line(d, a)]);
+        return ClosedContour::new(vec![line(a, b), line(b, c), line(c, d), line(d, a)]);
     };
     // The outer side of an arc is on its right where it turns to the left.
     let outside = -arc.sweep.signum();
     let (a, b) = (side(element.from, begin, outside), side(element.to, end, outside));
-    let outer = Element { from: a, to: b, arc: Some(Arc { radius: arc.radius + amount, ..arc }) };
+    let outer = Element { from: a, to: b, arc: Some(PlaneArc { radius: arc.radius + amount, ..arc }) };
     let inner = arc.radius - amount;
     if inner < NOISE {
-        return Closed::new(vec![outer, line(b, arc.center), line(arc.center, a)]);
+        return ClosedContour::new(vec![outer, line(b, arc.center), line(arc.center, a)]);
     }
     let (c, d) = (side(element.to, end, -outside), side(element.from, begin, -outside));
-    let back = Arc { radius: inner, start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc };
-    Closed::new(vec![outer, line(b, c), Element { from: c, to: d, arc: Some(back) }, line(d, a)])
+    let back = PlaneArc { radius: inner, start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc };
+    ClosedContour::new(vec![outer, line(b, c), Element { from: c, to: d, arc: Some(back) }, line(d, a)])
 }
 
 #[cfg(test)]
@@ -142,7 +150,7 @@ mod tests {
         let grown = grown(&ring, 1.0).unwrap();
         assert_eq!((grown.len(), grown[0].elements().len()), (1, 8));
         assert!((size(grown[0].elements()) - (256.0 - 4.0 + PI)).abs() < 1e-9);
-        let neck = Closed::new(
+        let neck = ClosedContour::new(
             [[20.0, 8.0], [30.0, 8.0], [30.0, 12.0], [20.0, 12.0], [20.0, 8.0]]
                 .windows(2)
                 .map(|pair| Element { from: pair[0], to: pair[1], arc: None })
@@ -186,8 +194,11 @@ mod tests {
             let reached = eroded(&rim, amount).unwrap_or_else(|| panic!("{round} {rim:?} {amount}"));
             for _ in 0..60 {
                 let spot = [dice.next() * 25.0 - 2.0, dice.next() * 25.0 - 2.0];
-                let off =
-                    rim.iter().flat_map(Closed::elements).map(|piece| to_piece(piece, spot)).fold(f64::MAX, f64::min);
+                let off = rim
+                    .iter()
+                    .flat_map(ClosedContour::elements)
+                    .map(|piece| to_piece(piece, spot))
+                    .fold(f64::MAX, f64::min);
                 if (off - amount).abs() < 1e-4 {
                     continue;
                 }

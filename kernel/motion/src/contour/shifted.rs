@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::corner::{Link, Offset};
 use super::element::{Element, NOISE, Spot, distance};
-use crate::arc::{Arc, by_center};
+use crate::arc::{PlaneArc, by_center};
 
 /// The contour moved perpendicular to itself: to the left with a side of +1, to the right with −1. Outside corners stay
 /// sharp.
@@ -53,7 +53,7 @@ fn beside(contour: &[Element], offset: Offset) -> Option<Vec<Element>> {
         };
         let arc = piece.arc.map(|arc| {
             let radius = piece.offset_radius(side, amount).unwrap_or(arc.radius);
-            Arc { radius, ..Element { arc: Some(arc), ..*piece }.between(here, end).arc.unwrap_or(arc) }
+            PlaneArc { radius, ..Element { arc: Some(arc), ..*piece }.between(here, end).arc.unwrap_or(arc) }
         });
         // A whole circle ends where it begins.
         if distance(here, end) > NOISE || arc.is_some_and(|arc| arc.sweep.abs() > TAU - 1e-9) {

@@ -4,7 +4,7 @@
 //! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation does not change these
 //! axes. *Invariant:* the linear map of each axis has an inverse.
 
-use super::local::{Part, Refused};
+use super::local::{FrameError, LocalFramePart};
 
 /// Most axes of a channel.
 pub const AXES: usize = 8;
@@ -17,7 +17,7 @@ const BOUND: f64 = 1e12;
 
 /// The linear map of one axis: `value · factor + shift`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub struct AxisMap {
     /// Factor.
     pub factor: f64,
     /// Shift, as the axis is programmed.
@@ -25,12 +25,12 @@ pub struct Line {
 }
 
 /// A line for each axis of the channel.
-pub type Lines = [Line; AXES];
+pub type Lines = [AxisMap; AXES];
 
 /// Lines that change nothing.
-pub const SAME: Lines = [Line::SAME; AXES];
+pub const SAME: Lines = [AxisMap::SAME; AXES];
 
-impl Line {
+impl AxisMap {
     /// The line that changes nothing.
     pub const SAME: Self = Self { factor: 1.0, shift: 0.0 };
 
@@ -71,24 +71,24 @@ impl Line {
 
 /// The local frame of the axes other than X, Y and Z.
 #[derive(Debug, Clone)]
-pub struct Beside {
+pub struct AuxiliaryFrame {
     /// The part of each kind.
     parts: [Option<Lines>; 4],
     /// Additive parts, oldest first.
-    added: Vec<(Part, Lines)>,
+    added: Vec<(LocalFramePart, Lines)>,
     /// Switched off by a macro: the parts are kept.
     off: bool,
     /// From the program to the work frame.
     map: Lines,
 }
 
-impl Default for Beside {
+impl Default for AuxiliaryFrame {
     fn default() -> Self {
         Self { parts: [None; 4], added: Vec::new(), off: false, map: SAME }
     }
 }
 
-impl Beside {
+impl AuxiliaryFrame {
     /// Whether nothing is programmed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -109,12 +109,12 @@ impl Beside {
 
     /// The part of a kind.
     #[must_use]
-    pub fn part(&self, part: Part) -> Option<&Lines> {
+    pub fn part(&self, part: LocalFramePart) -> Option<&Lines> {
         self.parts.get(part as usize)?.as_ref()
     }
 
     /// All parts of a kind, oldest first.
-    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Lines> {
+    pub fn parts(&self, part: LocalFramePart) -> impl Iterator<Item = &Lines> {
         let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, lines)| lines);
         self.part(part).into_iter().chain(added)
     }
@@ -123,7 +123,7 @@ impl Beside {
     ///
     /// # Errors
     /// A line would have no way back.
-    pub fn with(&self, part: Part, lines: Option<Lines>) -> Result<Self, Refused> {
+    pub fn with(&self, part: LocalFramePart, lines: Option<Lines>) -> Result<Self, FrameError> {
         let mut changed = self.clone();
         changed.added.retain(|(of, _)| *of != part);
         if let Some(slot) = changed.parts.get_mut(part as usize) {
@@ -137,9 +137,9 @@ impl Beside {
     ///
     /// # Errors
     /// A line would have no way back, or there are too many parts.
-    pub fn with_added(&self, part: Part, lines: Lines) -> Result<Self, Refused> {
+    pub fn with_added(&self, part: LocalFramePart, lines: Lines) -> Result<Self, FrameError> {
         if self.added.len() >= MOST {
-            return Err(Refused::TooMany);
+            return Err(FrameError::TooMany);
         }
         let mut changed = self.clone();
         if lines != SAME {
@@ -156,7 +156,7 @@ impl Beside {
         changed.composed().unwrap_or_else(|_| self.clone())
     }
 
-    fn composed(mut self) -> Result<Self, Refused> {
+    fn composed(mut self) -> Result<Self, FrameError> {
         let outer = self.parts.iter().rev().flatten();
         let lines = outer.chain(self.added.iter().map(|(_, lines)| lines)).filter(|_| !self.off);
         let mut map = SAME;
@@ -166,7 +166,7 @@ impl Beside {
             }
         }
         if map.iter().any(|line| !line.is_sound()) {
-            return Err(Refused::NoWayBack);
+            return Err(FrameError::NoWayBack);
         }
         self.map = map;
         Ok(self)
@@ -177,7 +177,7 @@ impl Beside {
 mod tests {
     use super::*;
 
-    fn first(line: Line) -> Lines {
+    fn first(line: AxisMap) -> Lines {
         let mut lines = SAME;
         lines[0] = line;
         lines
@@ -186,25 +186,26 @@ mod tests {
     #[test]
     fn parts_act_in_the_order_of_the_frame_and_additive_ones_inside() {
         // Scale 2, mirror at 10, shift 30: 5 becomes 10, then 10, then 40; 7 becomes 14, then 6, then 36.
-        let frame = Beside::default().with(Part::Translate, Some(first(Line::shift(30.0)))).unwrap();
-        let frame = frame.with(Part::Scale, Some(first(Line::scale(2.0, 0.0)))).unwrap();
-        let frame = frame.with(Part::Mirror, Some(first(Line::scale(-1.0, 10.0)))).unwrap();
+        let frame =
+            AuxiliaryFrame::default().with(LocalFramePart::Translate, Some(first(AxisMap::shift(30.0)))).unwrap();
+        let frame = frame.with(LocalFramePart::Scale, Some(first(AxisMap::scale(2.0, 0.0)))).unwrap();
+        let frame = frame.with(LocalFramePart::Mirror, Some(first(AxisMap::scale(-1.0, 10.0)))).unwrap();
         let [line, other, ..] = *frame.map();
         assert_eq!([line.to_work(5.0), line.to_work(7.0), line.to_program(36.0)], [40.0, 36.0, 7.0]);
-        assert_eq!(other, Line::SAME);
+        assert_eq!(other, AxisMap::SAME);
         // An additive shift by 1 counts before all of them: 4 counts as 5.
-        let added = frame.with_added(Part::Translate, first(Line::shift(1.0))).unwrap();
+        let added = frame.with_added(LocalFramePart::Translate, first(AxisMap::shift(1.0))).unwrap();
         assert_eq!(added.map()[0].to_work(4.0), 40.0);
         assert_eq!(added.switched(false).map(), &SAME);
         assert_eq!(added.switched(false).switched(true).map(), added.map());
-        let shifts_gone = added.with(Part::Translate, None).unwrap();
+        let shifts_gone = added.with(LocalFramePart::Translate, None).unwrap();
         assert_eq!(shifts_gone.map()[0].to_work(5.0), 10.0);
     }
 
     #[test]
     fn a_line_without_a_way_back_is_refused() {
-        let flat = Beside::default().with(Part::Scale, Some(first(Line::scale(0.0, 0.0))));
-        assert_eq!(flat.map(|_| ()), Err(Refused::NoWayBack));
-        assert!(Beside::default().with(Part::Translate, Some(SAME)).unwrap().is_empty());
+        let flat = AuxiliaryFrame::default().with(LocalFramePart::Scale, Some(first(AxisMap::scale(0.0, 0.0))));
+        assert_eq!(flat.map(|_| ()), Err(FrameError::NoWayBack));
+        assert!(AuxiliaryFrame::default().with(LocalFramePart::Translate, Some(SAME)).unwrap().is_empty());
     }
 }

@@ -15,7 +15,7 @@ const BOUND: f64 = 1e12;
 
 /// A kind of parts, from the program outwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum LocalFramePart {
     /// Scale factors.
     Scale,
     /// Mirrored axes.
@@ -26,7 +26,7 @@ pub enum Part {
     Translate,
 }
 
-impl Part {
+impl LocalFramePart {
     const ALL: [Self; 4] = [Self::Scale, Self::Mirror, Self::Rotate, Self::Translate];
 }
 
@@ -54,7 +54,7 @@ impl Programmed {
 
 /// Why a frame cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refused {
+pub enum FrameError {
     /// Points would lie on each other, or out of all bounds.
     NoWayBack,
     /// An axis would have to move that the channel does not have.
@@ -65,11 +65,11 @@ pub enum Refused {
 
 /// The local frame of a channel.
 #[derive(Debug, Clone)]
-pub struct Local {
+pub struct LocalFrame {
     /// The part of each kind.
     parts: [Option<Programmed>; 4],
     /// Additive parts, oldest first.
-    added: Vec<(Part, Programmed)>,
+    added: Vec<(LocalFramePart, Programmed)>,
     /// A frame that a macro has given, outside all of these.
     given: Option<Affine>,
     /// The rotation of the work offset, outside all.
@@ -82,14 +82,14 @@ pub struct Local {
     back: Affine,
 }
 
-impl Default for Local {
+impl Default for LocalFrame {
     fn default() -> Self {
         let (map, back) = (Affine::SAME, Affine::SAME);
         Self { parts: [None; 4], added: Vec::new(), given: None, outer: None, off: false, map, back }
     }
 }
 
-impl Local {
+impl LocalFrame {
     /// Whether nothing is programmed.
     pub fn is_empty(&self) -> bool {
         !self.is_programmed() && self.given.is_none() && self.outer.is_none()
@@ -134,25 +134,25 @@ impl Local {
     }
 
     /// The part of a kind.
-    pub fn part(&self, part: Part) -> Option<&Programmed> {
+    pub fn part(&self, part: LocalFramePart) -> Option<&Programmed> {
         self.parts.get(part as usize)?.as_ref()
     }
 
     /// All parts of a kind, oldest first.
-    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Programmed> {
+    pub fn parts(&self, part: LocalFramePart) -> impl Iterator<Item = &Programmed> {
         let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, given)| given);
         self.part(part).into_iter().chain(added)
     }
 
     /// The newest part of all that has a centre.
     pub fn center(&self) -> Option<Point> {
-        let added = self.added.iter().rev().filter(|(part, _)| *part != Part::Mirror).map(|(_, given)| given);
-        let own = [Part::Rotate, Part::Scale].into_iter().filter_map(|part| self.part(part));
+        let added = self.added.iter().rev().filter(|(part, _)| *part != LocalFramePart::Mirror).map(|(_, given)| given);
+        let own = [LocalFramePart::Rotate, LocalFramePart::Scale].into_iter().filter_map(|part| self.part(part));
         added.chain(own).find_map(|given| given.center)
     }
 
     /// A point of the work frame as seen by the part of a kind: the transformations outside that part are removed.
-    pub fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
+    pub fn inside_of(&self, part: LocalFramePart, point: Point) -> Option<Point> {
         let outer = self.composed(part as usize + 1);
         outer.inverse().map(|back| back.point(point))
     }
@@ -163,7 +163,7 @@ impl Local {
             (Some(outer), Some(given)) => outer.after(&given),
             (outer, given) => outer.or(given).unwrap_or(Affine::SAME),
         };
-        for part in Part::ALL.into_iter().rev().take_while(|part| *part as usize >= from) {
+        for part in LocalFramePart::ALL.into_iter().rev().take_while(|part| *part as usize >= from) {
             if let Some(given) = self.part(part).filter(|_| !self.off) {
                 map = map.after(&given.map);
             }
@@ -172,7 +172,7 @@ impl Local {
     }
 
     /// Sets the part of a kind; additive ones of that kind end.
-    pub fn set(&mut self, part: Part, given: Option<Programmed>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn set(&mut self, part: LocalFramePart, given: Option<Programmed>, has: [bool; 3]) -> Result<(), FrameError> {
         let given = given.filter(|given| given.map != Affine::SAME);
         self.change(has, |local| {
             local.added.retain(|(of, _)| *of != part);
@@ -184,9 +184,9 @@ impl Local {
     }
 
     /// Adds a part.
-    pub fn add(&mut self, part: Part, given: Programmed, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn add(&mut self, part: LocalFramePart, given: Programmed, has: [bool; 3]) -> Result<(), FrameError> {
         if self.added.len() >= MOST {
-            return Err(Refused::TooMany);
+            return Err(FrameError::TooMany);
         }
         self.change(has, |local| {
             local.added.push((part, given));
@@ -195,17 +195,17 @@ impl Local {
     }
 
     /// The frame of a macro, or none.
-    pub fn give(&mut self, given: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn give(&mut self, given: Option<Affine>, has: [bool; 3]) -> Result<(), FrameError> {
         self.change(has, |local| local.given = given.filter(|map| *map != Affine::SAME))
     }
 
     /// The rotation of the work offset, or none.
-    pub fn turn(&mut self, outer: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn turn(&mut self, outer: Option<Affine>, has: [bool; 3]) -> Result<(), FrameError> {
         self.change(has, |local| local.outer = outer.filter(|map| *map != Affine::SAME))
     }
 
     /// Switches the programmed parts off, or on again.
-    pub fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), FrameError> {
         self.change(has, |local| local.off = !on)
     }
 
@@ -216,16 +216,16 @@ impl Local {
     }
 
     /// Takes a change over if the frame has a way back afterwards. `has`: the channel has an X, Y, Z axis.
-    fn change(&mut self, has: [bool; 3], with: impl FnOnce(&mut Self)) -> Result<(), Refused> {
+    fn change(&mut self, has: [bool; 3], with: impl FnOnce(&mut Self)) -> Result<(), FrameError> {
         let mut changed = self.clone();
         with(&mut changed);
         let map = changed.made();
-        let back = map.inverse().ok_or(Refused::NoWayBack)?;
+        let back = map.inverse().ok_or(FrameError::NoWayBack)?;
         if [map, back].iter().any(|map| map.cells().iter().any(|cell| cell.abs() > BOUND)) {
-            return Err(Refused::NoWayBack);
+            return Err(FrameError::NoWayBack);
         }
         if [map, back].iter().any(|map| map.leaves(has)) {
-            return Err(Refused::MissingAxis);
+            return Err(FrameError::MissingAxis);
         }
         (changed.map, changed.back) = (map, back);
         *self = changed;
@@ -249,13 +249,13 @@ mod tests {
 
     #[test]
     fn additive_parts_count_in_the_frame_they_came_in() {
-        let mut local = Local::default();
-        local.set(Part::Rotate, Some(turned(90.0)), ALL).unwrap();
-        local.set(Part::Translate, Some(shifted(10.0)), ALL).unwrap();
-        local.add(Part::Translate, shifted(5.0), ALL).unwrap();
+        let mut local = LocalFrame::default();
+        local.set(LocalFramePart::Rotate, Some(turned(90.0)), ALL).unwrap();
+        local.set(LocalFramePart::Translate, Some(shifted(10.0)), ALL).unwrap();
+        local.add(LocalFramePart::Translate, shifted(5.0), ALL).unwrap();
         assert_eq!(local.to_work([1.0, 0.0, 0.0]), [10.0, 6.0, 0.0]);
         assert_eq!(local.to_program([10.0, 6.0, 0.0]), [1.0, 0.0, 0.0]);
-        local.set(Part::Translate, None, ALL).unwrap();
+        local.set(LocalFramePart::Translate, None, ALL).unwrap();
         assert_eq!(local.to_work([1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);
         local.switch(false, ALL).unwrap();
         assert_eq!(local.to_work([1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
@@ -264,12 +264,12 @@ mod tests {
 
     #[test]
     fn the_rotation_of_the_work_offset_is_outside_of_all() {
-        let mut local = Local::default();
-        local.set(Part::Translate, Some(shifted(10.0)), ALL).unwrap();
+        let mut local = LocalFrame::default();
+        local.set(LocalFramePart::Translate, Some(shifted(10.0)), ALL).unwrap();
         local.turn(Affine::rotation([0.0, 0.0, 1.0], 90.0), ALL).unwrap();
         assert_eq!(local.to_work([1.0, 0.0, 0.0]), [0.0, 11.0, 0.0]);
         assert_eq!(local.programmed().point([1.0, 0.0, 0.0]), [11.0, 0.0, 0.0]);
-        local.set(Part::Translate, None, ALL).unwrap();
+        local.set(LocalFramePart::Translate, None, ALL).unwrap();
         assert!(!local.is_empty() && !local.is_programmed());
         local.turn(None, ALL).unwrap();
         assert!(local.is_empty());
@@ -277,10 +277,13 @@ mod tests {
 
     #[test]
     fn a_frame_without_a_way_back_changes_nothing() {
-        let mut local = Local::default();
+        let mut local = LocalFrame::default();
         let flat = Programmed::new(Affine::scale([0.0, 1.0, 1.0]), [0.0, 1.0, 1.0]);
-        assert_eq!(local.set(Part::Scale, Some(flat), ALL), Err(Refused::NoWayBack));
-        assert_eq!(local.set(Part::Rotate, Some(turned(30.0)), [true, false, true]), Err(Refused::MissingAxis));
+        assert_eq!(local.set(LocalFramePart::Scale, Some(flat), ALL), Err(FrameError::NoWayBack));
+        assert_eq!(
+            local.set(LocalFramePart::Rotate, Some(turned(30.0)), [true, false, true]),
+            Err(FrameError::MissingAxis)
+        );
         assert!(local.is_empty());
     }
 }

@@ -17,7 +17,7 @@ const EQUAL: f64 = 1e-6;
 
 /// A rotary axis as it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
+pub struct RotaryAxisState {
     /// Where it is.
     pub at: f64,
     /// Its travel, if that ends.
@@ -26,7 +26,7 @@ pub struct Stand {
 
 /// Which of the angles that differ by whole turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turns {
+pub enum TurnChoice {
     /// The one next to where the axis is.
     Nearest,
     /// The one of half a turn to either side of zero.
@@ -35,7 +35,7 @@ pub enum Turns {
 
 /// Which of two pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum PairChoice {
     /// The least rotation of both axes together; of equals the one that [`Chain::solve`] gives first.
     Least,
     /// The same; of equals the pair whose tilting axis has the larger angle.
@@ -47,7 +47,7 @@ pub enum Way {
 
 /// A request about the tilting axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum TiltRequest {
     /// Its angle is not below zero, or not above; there is no other way.
     Sign(bool),
     /// The larger or smaller of its angles; the other angle if that one is out of reach.
@@ -56,7 +56,7 @@ pub enum Side {
 
 /// Behaviour of an axis for which any angle is suitable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Free {
+pub enum FreeAxisPolicy {
     /// It stays.
     Stays,
     /// It goes to this angle.
@@ -65,20 +65,20 @@ pub enum Free {
 
 /// How a pair is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rule {
+pub struct PairRule {
     /// Which turn of an angle.
-    pub turns: Turns,
+    pub turns: TurnChoice,
     /// Which pair.
-    pub way: Way,
+    pub way: PairChoice,
     /// Which pair, said by the program.
-    pub side: Option<Side>,
+    pub side: Option<TiltRequest>,
     /// An axis that has nothing to do.
-    pub free: Free,
+    pub free: FreeAxisPolicy,
 }
 
 /// Why the axes cannot go there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unreached {
+pub enum OrientationError {
     /// No angles bring the tool into the direction.
     Direction,
     /// The travel of the axes ends before.
@@ -89,7 +89,7 @@ pub enum Unreached {
 
 /// A pair of angles with their turns.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pair<A> {
+pub struct AnglePair<A> {
     /// Angles by axis.
     pub angles: Vec<(A, f64)>,
     /// All of them are within the travel.
@@ -113,16 +113,16 @@ fn clean(angle: f64) -> f64 {
     if tidy.is_finite() { tidy + 0.0 } else { angle }
 }
 
-impl Stand {
+impl RotaryAxisState {
     fn allows(&self, angle: f64) -> bool {
         self.travel.is_none_or(|(low, high)| angle >= low - NOISE && angle <= high + NOISE)
     }
 
     /// The turn of an angle by a rule, another one where the travel ends before.
-    fn turn(&self, angle: f64, turns: Turns) -> f64 {
+    fn turn(&self, angle: f64, turns: TurnChoice) -> f64 {
         let wanted = match turns {
-            Turns::Nearest => next_to(angle, self.at),
-            Turns::Half => {
+            TurnChoice::Nearest => next_to(angle, self.at),
+            TurnChoice::Half => {
                 let half = next_to(angle, 0.0);
                 if (half + 180.0).abs() < NOISE { 180.0 } else { half }
             }
@@ -131,7 +131,7 @@ impl Stand {
         if self.allows(wanted) {
             return wanted;
         }
-        let center = if turns == Turns::Nearest { self.at } else { 0.0 };
+        let center = if turns == TurnChoice::Nearest { self.at } else { 0.0 };
         let others = self.travel.into_iter().flat_map(|(low, high)| {
             // The outermost turns within the travel; the nearest one is one of them, since the wanted one is outside.
             let first = wanted + 360.0 * ((low - NOISE - wanted) / 360.0).ceil();
@@ -157,20 +157,20 @@ impl<A: Copy + PartialEq> Chain<A> {
     }
 
     /// The pairs of angles that bring the tool into a direction, with their turns.
-    pub fn pairs(&self, direction: Point, rule: &Rule, stand: impl Fn(A) -> Stand) -> Vec<Pair<A>> {
+    pub fn pairs(&self, direction: Point, rule: &PairRule, stand: impl Fn(A) -> RotaryAxisState) -> Vec<AnglePair<A>> {
         let pair = |solution: &Angles<A>| {
             let of = |(axis, angle): &(A, Option<f64>)| {
                 let stands = stand(*axis);
                 let free = match rule.free {
-                    Free::At(angle) => Some(angle),
-                    Free::Stays => None,
+                    FreeAxisPolicy::At(angle) => Some(angle),
+                    FreeAxisPolicy::Stays => None,
                 };
                 let wanted = angle.or(free).filter(|angle| angle.is_finite());
                 (*axis, wanted.map_or(stands.at, |angle| stands.turn(angle, rule.turns)))
             };
             let angles: Vec<(A, f64)> = solution.iter().map(of).collect();
             let inside = angles.iter().all(|(axis, angle)| stand(*axis).allows(*angle));
-            Pair { angles, inside }
+            AnglePair { angles, inside }
         };
         self.solve(direction).iter().map(pair).collect()
     }
@@ -178,37 +178,38 @@ impl<A: Copy + PartialEq> Chain<A> {
     /// The pair of a rule among these.
     pub fn choose<'p>(
         &self,
-        pairs: impl Iterator<Item = &'p Pair<A>>,
-        rule: &Rule,
-        stand: impl Fn(A) -> Stand,
-    ) -> Option<&'p Pair<A>>
+        pairs: impl Iterator<Item = &'p AnglePair<A>>,
+        rule: &PairRule,
+        stand: impl Fn(A) -> RotaryAxisState,
+    ) -> Option<&'p AnglePair<A>>
     where
         A: 'p,
     {
         let tilting = self.tilting();
-        let of =
-            |pair: &Pair<A>, axis: A| pair.angles.iter().find(|(at, _)| *at == axis).map_or(0.0, |(_, angle)| *angle);
-        let tilt = |pair: &Pair<A>| tilting.map_or(0.0, |axis| of(pair, axis));
-        let way = |pair: &Pair<A>, axis: A| (of(pair, axis) - stand(axis).at).abs();
-        let off = |pair: &Pair<A>, axis: A| next_to(of(pair, axis), 0.0).abs();
-        let turned = |pair: &Pair<A>| self.order().map(|axis| way(pair, axis)).sum::<f64>();
+        let of = |pair: &AnglePair<A>, axis: A| {
+            pair.angles.iter().find(|(at, _)| *at == axis).map_or(0.0, |(_, angle)| *angle)
+        };
+        let tilt = |pair: &AnglePair<A>| tilting.map_or(0.0, |axis| of(pair, axis));
+        let way = |pair: &AnglePair<A>, axis: A| (of(pair, axis) - stand(axis).at).abs();
+        let off = |pair: &AnglePair<A>, axis: A| next_to(of(pair, axis), 0.0).abs();
+        let turned = |pair: &AnglePair<A>| self.order().map(|axis| way(pair, axis)).sum::<f64>();
         // The first of these that differ decides.
-        let looks = |pair: &Pair<A>| {
+        let looks = |pair: &AnglePair<A>| {
             let mut looks = Vec::with_capacity(5);
-            if let Some(Side::Larger(larger)) = rule.side {
+            if let Some(TiltRequest::Larger(larger)) = rule.side {
                 looks.push(if larger { -tilt(pair) } else { tilt(pair) });
             }
             match rule.way {
-                Way::Least => looks.push(turned(pair)),
-                Way::LeastLarger => looks.extend([turned(pair), -tilt(pair)]),
-                Way::AxisByAxis => {
+                PairChoice::Least => looks.push(turned(pair)),
+                PairChoice::LeastLarger => looks.extend([turned(pair), -tilt(pair)]),
+                PairChoice::AxisByAxis => {
                     looks.extend(self.order().map(|axis| way(pair, axis)));
                     looks.extend(self.order().map(|axis| off(pair, axis)));
                 }
             }
             looks
         };
-        let before = |a: &&Pair<A>, b: &&Pair<A>| {
+        let before = |a: &&AnglePair<A>, b: &&AnglePair<A>| {
             let differ = looks(a).into_iter().zip(looks(b)).find(|(a, b)| (a - b).abs() > EQUAL);
             differ.map_or(std::cmp::Ordering::Equal, |(a, b)| a.total_cmp(&b))
         };
@@ -222,16 +223,16 @@ impl<A: Copy + PartialEq> Chain<A> {
     pub fn reach(
         &self,
         direction: Point,
-        rule: &Rule,
-        stand: impl Fn(A) -> Stand + Copy,
-    ) -> Result<Vec<(A, f64)>, Unreached> {
+        rule: &PairRule,
+        stand: impl Fn(A) -> RotaryAxisState + Copy,
+    ) -> Result<Vec<(A, f64)>, OrientationError> {
         let pairs = self.pairs(direction, rule, stand);
         if pairs.is_empty() {
-            return Err(Unreached::Direction);
+            return Err(OrientationError::Direction);
         }
         let tilting = self.tilting();
-        let fits = |pair: &&Pair<A>| match rule.side {
-            Some(Side::Sign(positive)) => pair
+        let fits = |pair: &&AnglePair<A>| match rule.side {
+            Some(TiltRequest::Sign(positive)) => pair
                 .angles
                 .iter()
                 .filter(|(axis, _)| Some(*axis) == tilting)
@@ -239,10 +240,10 @@ impl<A: Copy + PartialEq> Chain<A> {
             _ => true,
         };
         if !pairs.iter().any(|pair| pair.inside) {
-            return Err(Unreached::Travel);
+            return Err(OrientationError::Travel);
         }
         let fitting = pairs.iter().filter(|pair| pair.inside).filter(fits);
-        self.choose(fitting, rule, stand).map(|pair| pair.angles.clone()).ok_or(Unreached::Side)
+        self.choose(fitting, rule, stand).map(|pair| pair.angles.clone()).ok_or(OrientationError::Side)
     }
 }
 

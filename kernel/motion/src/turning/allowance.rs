@@ -4,17 +4,17 @@
 //! allowance does not fit into the contour there is none.
 
 use super::NOISE;
-use super::parts::Part;
+use super::parts::ContourPart;
 use crate::contour::element::Spot;
 
 /// Parts with amounts left along the cut and across it: rising parts begin earlier, falling ones later, all are higher.
-pub(super) fn leave(parts: Vec<Part>, [along, across]: Spot) -> Option<Vec<Part>> {
-    let mut left: Vec<Part> = Vec::with_capacity(parts.len());
+pub(super) fn leave(parts: Vec<ContourPart>, [along, across]: Spot) -> Option<Vec<ContourPart>> {
+    let mut left: Vec<ContourPart> = Vec::with_capacity(parts.len());
     for part in parts {
         let slope = slope(&part);
         let by = |[a, b]: Spot| [a - f64::from(slope) * along, b + across];
         let mut part =
-            Part { from: by(part.from), to: by(part.to), arc: part.arc.map(|(center, cw)| (by(center), cw)) };
+            ContourPart { from: by(part.from), to: by(part.to), arc: part.arc.map(|(center, cw)| (by(center), cw)) };
         while let Some(last) = left.last_mut() {
             let gap = part.from[0] - last.to[0];
             if gap.abs() <= NOISE {
@@ -37,7 +37,7 @@ pub(super) fn leave(parts: Vec<Part>, [along, across]: Spot) -> Option<Vec<Part>
                 (_, 0) => return None,
                 _ if gap > 0.0 => {
                     let (from, to) = (last.to, part.from);
-                    left.push(Part { from, to, arc: None });
+                    left.push(ContourPart { from, to, arc: None });
                     break;
                 }
                 (-1, 1) => {
@@ -55,7 +55,7 @@ pub(super) fn leave(parts: Vec<Part>, [along, across]: Spot) -> Option<Vec<Part>
 }
 
 /// +1 for a part that rises along the cut, −1 for one that falls, 0 for a level one.
-fn slope(part: &Part) -> i8 {
+fn slope(part: &ContourPart) -> i8 {
     let rise = part.to[1] - part.from[1];
     if rise.abs() <= NOISE {
         0
@@ -67,7 +67,7 @@ fn slope(part: &Part) -> i8 {
 }
 
 /// Where a falling part meets the rising one after it.
-fn crossing(falling: &Part, rising: &Part) -> Option<Spot> {
+fn crossing(falling: &ContourPart, rising: &ContourPart) -> Option<Spot> {
     let (mut low, mut high) = (falling.to[1].max(rising.from[1]), falling.from[1].min(rising.to[1]));
     let apart = |height: f64| rising.meets(height) - falling.meets(height);
     if low > high || apart(low) > 0.0 || apart(high) < 0.0 {

@@ -6,8 +6,8 @@
 //! in order and do not touch.
 
 use super::NOISE;
-use super::parts::Parts;
-use super::view::View;
+use super::parts::ContourParts;
+use super::view::CutView;
 use crate::contour::element::Element;
 
 /// How far before and behind material the tool cuts.
@@ -16,13 +16,13 @@ const CLEARANCE: f64 = 2.0;
 /// A blank, as a cycle sees it.
 #[derive(Debug)]
 pub(super) struct Blank {
-    parts: Parts,
+    parts: ContourParts,
 }
 
 impl Blank {
     /// Of the pieces of its shape; none without one.
-    pub(super) fn of(elements: &[Element], view: &View) -> Option<Self> {
-        let parts = Parts::of(elements, view);
+    pub(super) fn of(elements: &[Element], view: &CutView) -> Option<Self> {
+        let parts = ContourParts::of(elements, view);
         (!parts.all.is_empty()).then_some(Self { parts })
     }
 

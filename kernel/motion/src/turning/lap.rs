@@ -4,7 +4,7 @@
 
 /// From a place on, levels have another depth, and their number of feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Change {
+pub struct DepthChange {
     /// The first level that begins here or deeper: a place across the cut.
     pub from: f64,
     /// Depth, above 0; none for that of before.
@@ -13,11 +13,11 @@ pub struct Change {
 
 /// How a rough cycle works that is one of LAP.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lap {
+pub struct LapSettings {
     /// The cycle goes along the whole contour, each time nearer, and not level by level.
     pub copies: bool,
     /// Changes of depth and feed.
-    pub changes: [Option<Change>; 2],
+    pub changes: [Option<DepthChange>; 2],
     /// The tool stays at the end of the contour.
     pub stays: bool,
 }

@@ -3,12 +3,12 @@
 //! *Invariant:* levels fall; a level is found by its number without those before it.
 
 use super::NOISE;
-use super::lap::Lap;
-use super::view::View;
+use super::lap::LapSettings;
+use super::view::CutView;
 
 /// Levels with one depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stage {
+struct LevelStage {
     /// Number of its first level.
     first: u64,
     /// Height above that level.
@@ -20,36 +20,37 @@ struct Stage {
 
 /// The levels of a cycle, as seen.
 #[derive(Debug)]
-pub(super) struct Levels {
-    stages: Vec<Stage>,
+pub(super) struct CutLevels {
+    stages: Vec<LevelStage>,
     /// The lowest place of the contour.
     low: f64,
     /// The last level is that place; otherwise all are above it.
     reaches_low: bool,
 }
 
-impl Levels {
+impl CutLevels {
     /// Levels with one depth, down to the lowest place.
     pub(super) fn even(top: f64, depth: f64, low: f64) -> Self {
-        Self { stages: vec![Stage { first: 1, top, depth, feed: 0 }], low, reaches_low: true }
+        Self { stages: vec![LevelStage { first: 1, top, depth, feed: 0 }], low, reaches_low: true }
     }
 
     /// Levels above the lowest place, whose depth changes.
-    pub(super) fn of_lap(top: f64, depth: f64, low: f64, lap: &Lap, view: &View) -> Self {
+    pub(super) fn of_lap(top: f64, depth: f64, low: f64, lap: &LapSettings, view: &CutView) -> Self {
         let mut changes: Vec<_> = lap.changes.iter().enumerate().collect();
         let height = |from: f64| view.height(from);
         changes.retain(|(_, change)| change.is_some());
         changes.sort_by(|(_, a), (_, b)| {
-            let of =
-                |change: &Option<super::lap::Change>| change.map_or(f64::NEG_INFINITY, |change| height(change.from));
+            let of = |change: &Option<super::lap::DepthChange>| {
+                change.map_or(f64::NEG_INFINITY, |change| height(change.from))
+            };
             of(b).total_cmp(&of(a))
         });
-        let mut here = Stage { first: 1, top, depth, feed: 0 };
+        let mut here = LevelStage { first: 1, top, depth, feed: 0 };
         let mut stages = vec![here];
         for (index, change) in changes {
             let Some(change) = change else { continue };
             let passes = ((here.top - height(change.from)) / here.depth - NOISE).ceil().max(0.0);
-            here = Stage {
+            here = LevelStage {
                 first: here.first.saturating_add(passes as u64),
                 top: here.top - passes * here.depth,
                 depth: change.depth.unwrap_or(here.depth),
@@ -60,7 +61,7 @@ impl Levels {
         Self { stages, low, reaches_low: false }
     }
 
-    fn stage(&self, number: u64) -> Option<&Stage> {
+    fn stage(&self, number: u64) -> Option<&LevelStage> {
         self.stages.iter().rev().find(|stage| stage.first <= number)
     }
 

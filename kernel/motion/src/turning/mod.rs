@@ -29,7 +29,7 @@ const BACK: f64 = 1e-3;
 
 /// A move of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Move {
+pub enum CycleMove {
     /// Rapid to a point.
     Rapid(Spot),
     /// Feed to a point.
@@ -46,7 +46,7 @@ pub enum Move {
 }
 
 /// The receiver of the moves of a cycle.
-pub trait Sink {
+pub trait MoveSink {
     /// Why it takes no more.
     type Stop;
 
@@ -83,12 +83,12 @@ pub trait Sink {
     ///
     /// # Errors
     /// The cycle is to end.
-    fn go(&mut self, to: Move) -> Result<(), Self::Stop>;
+    fn go(&mut self, to: CycleMove) -> Result<(), Self::Stop>;
 }
 
 /// The contour of a cycle as it was programmed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Contour {
+pub struct ProgrammedContour {
     /// Where the tool is when the cycle is called.
     pub start: Spot,
     /// Pieces from the end of the first move on.
@@ -99,7 +99,7 @@ pub struct Contour {
     pub rapid: bool,
 }
 
-impl Contour {
+impl ProgrammedContour {
     /// Where the contour begins; the start of the cycle if it has no piece.
     #[must_use]
     pub fn first(&self) -> Spot {
@@ -113,29 +113,29 @@ impl Contour {
     }
 
     /// The move from where the tool is to the contour.
-    fn infeed(&self, to: Spot) -> Move {
-        if self.rapid { Move::Rapid(to) } else { Move::Feed(to) }
+    fn infeed(&self, to: Spot) -> CycleMove {
+        if self.rapid { CycleMove::Rapid(to) } else { CycleMove::Feed(to) }
     }
 }
 
 /// The move along a piece.
-fn along(element: &Element) -> Move {
+fn along(element: &Element) -> CycleMove {
     match &element.arc {
-        Some(arc) => Move::Arc { to: element.to, center: arc.center, clockwise: arc.sweep < 0.0 },
-        None => Move::Feed(element.to),
+        Some(arc) => CycleMove::Arc { to: element.to, center: arc.center, clockwise: arc.sweep < 0.0 },
+        None => CycleMove::Feed(element.to),
     }
 }
 
 /// A piece moved by a vector.
 fn moved(element: &Element, by: Spot) -> Element {
     let at = |[z, x]: Spot| [z + by[0], x + by[1]];
-    let arc = element.arc.map(|arc| crate::arc::Arc { center: at(arc.center), ..arc });
+    let arc = element.arc.map(|arc| crate::arc::PlaneArc { center: at(arc.center), ..arc });
     Element { from: at(element.from), to: at(element.to), arc }
 }
 
 /// Why a contour cannot be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refusal {
+pub enum ContourError {
     /// It turns back along the cut.
     TurnsBack,
     /// It reaches beyond the start of the cycle.

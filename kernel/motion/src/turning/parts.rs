@@ -4,20 +4,20 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::view::View;
-use super::{BACK, NOISE, Refusal};
+use super::view::CutView;
+use super::{BACK, ContourError, NOISE};
 use crate::contour::element::{Element, Spot, angle};
 
 /// A quarter of an arc at most, or a line, in the view of the cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Part {
+pub(super) struct ContourPart {
     pub(super) from: Spot,
     pub(super) to: Spot,
     /// Centre, and whether it turns clockwise in the view.
     pub(super) arc: Option<(Spot, bool)>,
 }
 
-impl Part {
+impl ContourPart {
     /// Where it meets a level between its ends.
     pub(super) fn meets(&self, level: f64) -> f64 {
         let ([from, low], [to, high]) = (self.from, self.to);
@@ -37,41 +37,41 @@ impl Part {
 
 /// A place on a contour: the part, and how far along the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mark {
+pub(super) struct ContourPosition {
     pub(super) part: usize,
     pub(super) along: f64,
 }
 
 /// A stretch along a level in which the contour is nowhere above it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct LevelStretch {
     /// Where it begins on the contour; none if the level is open at the start of the cycle.
-    pub(super) begin: Option<Mark>,
-    pub(super) end: Mark,
+    pub(super) begin: Option<ContourPosition>,
+    pub(super) end: ContourPosition,
 }
 
 /// The parts of a contour.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Parts {
-    pub(super) all: Vec<Part>,
+pub(super) struct ContourParts {
+    pub(super) all: Vec<ContourPart>,
     /// Parts of the last piece.
     last: usize,
 }
 
-impl Parts {
+impl ContourParts {
     /// These parts, of no piece that leaves the contour.
-    pub(super) fn made_of(all: Vec<Part>) -> Self {
+    pub(super) fn made_of(all: Vec<ContourPart>) -> Self {
         Self { all, last: 0 }
     }
 
     /// The parts of pieces.
-    pub(super) fn of(elements: &[Element], view: &View) -> Self {
+    pub(super) fn of(elements: &[Element], view: &CutView) -> Self {
         let (mut all, mut before) = (Vec::new(), 0);
         for element in elements {
             before = all.len();
             let (from, to) = (view.see(element.from), view.see(element.to));
             match &element.arc {
-                None => all.push(Part { from, to, arc: None }),
+                None => all.push(ContourPart { from, to, arc: None }),
                 Some(arc) => {
                     let over = if view.turns_over() { -arc.sweep } else { arc.sweep };
                     quarters(&mut all, (from, to), view.see(arc.center), (arc.radius, over));
@@ -92,34 +92,34 @@ impl Parts {
     }
 
     /// Refuses a contour that cannot be cut from a start point. `leaves`: the last piece may end beyond that point.
-    pub(super) fn check(&self, [start, top]: Spot, leaves: bool) -> Result<(), Refusal> {
-        let Some(first) = self.all.first() else { return Err(Refusal::Nothing) };
+    pub(super) fn check(&self, [start, top]: Spot, leaves: bool) -> Result<(), ContourError> {
+        let Some(first) = self.all.first() else { return Err(ContourError::Nothing) };
         let finite = |spot: &Spot| spot.iter().all(|part| part.is_finite());
         if !self.all.iter().all(|part| finite(&part.from) && finite(&part.to)) {
-            return Err(Refusal::Nothing);
+            return Err(ContourError::Nothing);
         }
         let mut reached = first.from[0];
         for part in &self.all {
             if part.to[0] < reached - BACK {
-                return Err(Refusal::TurnsBack);
+                return Err(ContourError::TurnsBack);
             }
             reached = reached.max(part.to[0]);
         }
         let shaping = self.all.len().saturating_sub(if leaves { self.last } else { 0 });
         let above = self.all.iter().take(shaping).any(|part| part.from[1] > top + BACK || part.to[1] > top + BACK);
-        if above || first.from[0] < start - BACK { Err(Refusal::BeyondStart) } else { Ok(()) }
+        if above || first.from[0] < start - BACK { Err(ContourError::BeyondStart) } else { Ok(()) }
     }
 
     /// The stretches of a level, in order.
-    pub(super) fn stretches(&self, level: f64) -> Vec<Stretch> {
+    pub(super) fn stretches(&self, level: f64) -> Vec<LevelStretch> {
         let mut found = Vec::new();
         let Some(first) = self.all.first() else { return found };
         let mut begin = (first.from[1] <= level + NOISE).then_some(None);
         for (index, part) in self.all.iter().enumerate() {
-            let mark = || Mark { part: index, along: part.meets(level) };
+            let mark = || ContourPosition { part: index, along: part.meets(level) };
             match begin {
                 Some(at) if part.to[1] > level + NOISE => {
-                    found.push(Stretch { begin: at, end: mark() });
+                    found.push(LevelStretch { begin: at, end: mark() });
                     begin = None;
                 }
                 None if part.to[1] <= level + NOISE => begin = Some(Some(mark())),
@@ -127,7 +127,8 @@ impl Parts {
             }
         }
         if let (Some(at), Some(last)) = (begin, self.all.last()) {
-            found.push(Stretch { begin: at, end: Mark { part: self.all.len() - 1, along: last.to[0] } });
+            found
+                .push(LevelStretch { begin: at, end: ContourPosition { part: self.all.len() - 1, along: last.to[0] } });
         }
         found
     }
@@ -146,7 +147,7 @@ impl Parts {
 }
 
 /// The quarters of an arc.
-fn quarters(all: &mut Vec<Part>, (from, to): (Spot, Spot), center: Spot, (radius, sweep): (f64, f64)) {
+fn quarters(all: &mut Vec<ContourPart>, (from, to): (Spot, Spot), center: Spot, (radius, sweep): (f64, f64)) {
     let start = angle(center, from);
     let clockwise = sweep < 0.0;
     let turn = sweep.signum();
@@ -160,12 +161,12 @@ fn quarters(all: &mut Vec<Part>, (from, to): (Spot, Spot), center: Spot, (radius
         }
         if way > 1e-9 {
             let corner = corner(quarter, center, radius);
-            all.push(Part { from: here, to: corner, arc: Some((center, clockwise)) });
+            all.push(ContourPart { from: here, to: corner, arc: Some((center, clockwise)) });
             here = corner;
         }
         quarter += turn;
     }
-    all.push(Part { from: here, to, arc: Some((center, clockwise)) });
+    all.push(ContourPart { from: here, to, arc: Some((center, clockwise)) });
 }
 
 /// The point of a circle at a whole quarter.

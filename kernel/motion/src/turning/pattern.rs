@@ -2,12 +2,12 @@
 //!
 //! *Invariant:* the last pass leaves the allowance alone.
 
-use super::{Contour, Move, Sink, along, moved};
+use super::{CycleMove, MoveSink, ProgrammedContour, along, moved};
 use crate::contour::element::Spot;
 
 /// Settings of the cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct PatternRepeatSettings {
     /// How far the first pass is from the last one, along Z and X.
     pub relief: Spot,
     /// The allowance of the last pass along Z and X.
@@ -20,7 +20,11 @@ pub struct Settings {
 ///
 /// # Errors
 /// The sink takes no more.
-pub fn run<S: Sink>(contour: &Contour, settings: &Settings, sink: &mut S) -> Result<(), S::Stop> {
+pub fn run<S: MoveSink>(
+    contour: &ProgrammedContour,
+    settings: &PatternRepeatSettings,
+    sink: &mut S,
+) -> Result<(), S::Stop> {
     for pass in 0..settings.passes {
         sink.pass()?;
         let last = settings.passes.saturating_sub(1);
@@ -30,7 +34,7 @@ pub fn run<S: Sink>(contour: &Contour, settings: &Settings, sink: &mut S) -> Res
             of(&settings.allowance) + of(&settings.relief) * share
         });
         let [z, x] = contour.start;
-        sink.go(Move::Rapid([z + by[0], x + by[1]]))?;
+        sink.go(CycleMove::Rapid([z + by[0], x + by[1]]))?;
         let mut elements = contour.elements.iter().map(|element| moved(element, by)).peekable();
         if let Some(first) = elements.peek() {
             sink.go(contour.infeed(first.from))?;
@@ -39,5 +43,5 @@ pub fn run<S: Sink>(contour: &Contour, settings: &Settings, sink: &mut S) -> Res
             sink.go(along(&element))?;
         }
     }
-    sink.go(Move::Rapid(contour.start))
+    sink.go(CycleMove::Rapid(contour.start))
 }

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* the last peck ends at the depth and the last column at the end; both counts are finite.
 
-use super::{Move, NOISE, Sink};
+use super::{CycleMove, MoveSink, NOISE};
 use crate::contour::element::Spot;
 
 /// Maximum number of columns, and of pecks of a column; the rest is done in one.
@@ -10,7 +10,7 @@ const MOST: f64 = 1e9;
 
 /// Settings of the cycle; points and lengths are `[along the peck, from column to column]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct PeckSettings {
     /// The pecks are along X.
     pub along_x: bool,
     /// Where the tool is.
@@ -27,7 +27,7 @@ pub struct Settings {
     pub relief: f64,
 }
 
-impl Settings {
+impl PeckSettings {
     fn place(&self, [peck, column]: Spot) -> Spot {
         if self.along_x { [column, peck] } else { [peck, column] }
     }
@@ -48,35 +48,35 @@ impl Settings {
     ///
     /// # Errors
     /// The sink takes no more.
-    pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+    pub fn run<S: MoveSink>(&self, sink: &mut S) -> Result<(), S::Stop> {
         let [pecks, (columns, shift)] = self.counts();
         let relief =
             if columns > 0.0 { -(self.end[1] - self.start[1]).signum() * self.relief.abs() } else { self.relief };
         let mut number = 0.0;
         loop {
             let column = if number >= columns { self.end[1] } else { self.start[1] + number * shift };
-            sink.go(Move::Rapid(self.place([self.start[0], column])))?;
+            sink.go(CycleMove::Rapid(self.place([self.start[0], column])))?;
             self.column(sink, column, pecks)?;
-            sink.go(Move::Rapid(self.place([self.end[0], column + relief])))?;
-            sink.go(Move::Rapid(self.place([self.start[0], column + relief])))?;
+            sink.go(CycleMove::Rapid(self.place([self.end[0], column + relief])))?;
+            sink.go(CycleMove::Rapid(self.place([self.start[0], column + relief])))?;
             number += 1.0;
             if number > columns {
                 break;
             }
         }
-        sink.go(Move::Rapid(self.place(self.start)))
+        sink.go(CycleMove::Rapid(self.place(self.start)))
     }
 
-    fn column<S: Sink>(&self, sink: &mut S, column: f64, (pecks, step): (f64, f64)) -> Result<(), S::Stop> {
+    fn column<S: MoveSink>(&self, sink: &mut S, column: f64, (pecks, step): (f64, f64)) -> Result<(), S::Stop> {
         let mut number = 1.0;
         while number < pecks {
             sink.pass()?;
             let depth = self.start[0] + number * step;
-            sink.go(Move::Feed(self.place([depth, column])))?;
-            sink.go(Move::Rapid(self.place([depth - step.signum() * self.back, column])))?;
+            sink.go(CycleMove::Feed(self.place([depth, column])))?;
+            sink.go(CycleMove::Rapid(self.place([depth - step.signum() * self.back, column])))?;
             number += 1.0;
         }
         sink.pass()?;
-        sink.go(Move::Feed(self.place([self.end[0], column])))
+        sink.go(CycleMove::Feed(self.place([self.end[0], column])))
     }
 }

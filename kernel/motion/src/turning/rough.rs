@@ -4,17 +4,17 @@
 //! of the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
 
 use super::blank::Blank;
-use super::cut::Cut;
-use super::lap::Lap;
-use super::levels::Levels;
-use super::parts::{Mark, Parts, Stretch};
-use super::view::View;
-use super::{Contour, Move, NOISE, Refusal, Sink, along, moved};
+use super::cut::ToolCursor;
+use super::lap::LapSettings;
+use super::levels::CutLevels;
+use super::parts::{ContourParts, ContourPosition, LevelStretch};
+use super::view::CutView;
+use super::{ContourError, CycleMove, MoveSink, NOISE, ProgrammedContour, along, moved};
 use crate::contour::element::{Element, Spot};
 
 /// Settings of a rough cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct RoughSettings {
     /// The cut runs along X.
     pub face: bool,
     /// Depth of a level, above 0.
@@ -28,17 +28,17 @@ pub struct Settings {
     /// Pockets are cut level by level, not by the last pass alone.
     pub pockets: bool,
     /// It is a cycle of LAP: allowances are amounts, levels count from where the tool is and stay above the contour.
-    pub lap: Option<Lap>,
+    pub lap: Option<LapSettings>,
 }
 
 /// A rough cycle, ready to be cut.
 #[derive(Debug)]
-pub struct Rough<'c> {
-    contour: &'c Contour,
-    settings: Settings,
-    view: View,
-    parts: Parts,
-    levels: Levels,
+pub struct RoughCycle<'c> {
+    contour: &'c ProgrammedContour,
+    settings: RoughSettings,
+    view: CutView,
+    parts: ContourParts,
+    levels: CutLevels,
     /// Where levels count from, as seen.
     origin: Spot,
     blank: Option<Blank>,
@@ -46,44 +46,44 @@ pub struct Rough<'c> {
 
 /// A pocket below a level that is open.
 #[derive(Debug, Clone, Copy)]
-struct Pocket {
-    begin: Mark,
-    end: Mark,
+struct RoughPocket {
+    begin: ContourPosition,
+    end: ContourPosition,
     /// Number of its first level.
     level: u64,
     /// How the tool comes to it.
-    entry: Entry,
+    entry: PocketEntry,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Entry {
+enum PocketEntry {
     /// From the start of the cycle, over stock that was cut down to this height.
     Start(f64),
     /// Down the flank of the stretch above, from this place.
-    Flank(Mark),
+    Flank(ContourPosition),
     /// Beside another one, over a stretch cut down to this height.
     Beside(f64),
 }
 
-impl<'c> Rough<'c> {
+impl<'c> RoughCycle<'c> {
     /// The cycle of a contour.
     ///
     /// # Errors
     /// The contour cannot be cut.
-    pub fn new(contour: &'c Contour, settings: Settings) -> Result<Self, Refusal> {
-        let plain = View { face: settings.face, signs: [1.0; 2] };
+    pub fn new(contour: &'c ProgrammedContour, settings: RoughSettings) -> Result<Self, ContourError> {
+        let plain = CutView { face: settings.face, signs: [1.0; 2] };
         let (start, first, last) = (plain.see(contour.start), plain.see(contour.first()), plain.see(contour.last()));
         let sign = |way: f64, or: f64| if way.abs() > NOISE { way.signum() } else { or };
         let toward = sign(last[0] - start[0], -1.0);
         let stock = sign(start[1] - first[1], sign(start[1] - last[1], 1.0));
-        let view = View { signs: [toward, stock], ..plain };
+        let view = CutView { signs: [toward, stock], ..plain };
         let mut settings = settings;
         if settings.lap.is_some() {
             settings.allowance = view.away(settings.allowance);
         }
         let left = [settings.allowance[0] + settings.semi[0], settings.allowance[1] + settings.semi[1]];
         let elements: Vec<_> = contour.elements.iter().map(|element| moved(element, left)).collect();
-        let parts = Parts::of(&elements, &view);
+        let parts = ContourParts::of(&elements, &view);
         let [z, x] = contour.start;
         let away = view.see([z + left[0], x + left[1]]);
         let origin = if settings.lap.is_some() { view.see(contour.start) } else { away };
@@ -96,9 +96,9 @@ impl<'c> Rough<'c> {
         let levels = match &settings.lap {
             Some(lap) => {
                 let top = blank.as_ref().map_or(origin[1], |blank| blank.highest().max(parts.highest()));
-                Levels::of_lap(top, settings.depth, low, lap, &view)
+                CutLevels::of_lap(top, settings.depth, low, lap, &view)
             }
-            None => Levels::even(origin[1], settings.depth, low),
+            None => CutLevels::even(origin[1], settings.depth, low),
         };
         Ok(Self { contour, settings, view, parts, levels, origin, blank })
     }
@@ -112,11 +112,11 @@ impl<'c> Rough<'c> {
     ///
     /// # Errors
     /// The sink takes no more.
-    pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+    pub fn run<S: MoveSink>(&self, sink: &mut S) -> Result<(), S::Stop> {
         if self.settings.lap.is_some_and(|lap| lap.copies) {
             return self.copy(sink);
         }
-        let mut cut = Cut { sink, view: self.view, at: self.origin };
+        let mut cut = ToolCursor { sink, view: self.view, at: self.origin };
         cut.rapid(self.origin)?;
         let mut pockets = self.open_levels(&mut cut)?;
         if self.settings.pockets {
@@ -129,8 +129,8 @@ impl<'c> Rough<'c> {
     }
 
     /// Goes along the whole contour, each time nearer: away from it along the line from its first point to the start.
-    fn copy<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
-        let mut cut = Cut { sink, view: self.view, at: self.origin };
+    fn copy<S: MoveSink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        let mut cut = ToolCursor { sink, view: self.view, at: self.origin };
         let [z, x] = self.contour.elements.first().map_or(self.contour.start, |first| first.from);
         let first = [z + self.settings.allowance[0], x + self.settings.allowance[1]];
         let to_start = [self.contour.start[0] - first[0], self.contour.start[1] - first[1]];
@@ -147,11 +147,11 @@ impl<'c> Rough<'c> {
             return Ok(());
         }
         cut.rapid([self.origin[0], end[1]])?;
-        cut.sink.go(Move::Rapid(self.contour.start))
+        cut.sink.go(CycleMove::Rapid(self.contour.start))
     }
 
     /// Cuts the open stretches of all levels. Returns the pockets beside them.
-    fn open_levels<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<Vec<Pocket>, S::Stop> {
+    fn open_levels<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>) -> Result<Vec<RoughPocket>, S::Stop> {
         let mut pockets = Vec::new();
         let [start, top] = self.origin;
         let retract = self.settings.retract;
@@ -161,10 +161,16 @@ impl<'c> Rough<'c> {
             cut.sink.pass()?;
             cut.sink.use_feed(self.levels.feed(number));
             let stretches = self.parts.stretches(level);
-            let within = |begin: &Mark| above.is_none_or(|end: Mark| begin.along <= end.along + NOISE);
+            let within =
+                |begin: &ContourPosition| above.is_none_or(|end: ContourPosition| begin.along <= end.along + NOISE);
             for stretch in &stretches {
                 if let Some(begin) = stretch.begin.filter(within) {
-                    pockets.push(Pocket { begin, end: stretch.end, level: number, entry: Entry::Start(height) });
+                    pockets.push(RoughPocket {
+                        begin,
+                        end: stretch.end,
+                        level: number,
+                        entry: PocketEntry::Start(height),
+                    });
                 }
             }
             let open = stretches.first().filter(|stretch| stretch.begin.is_none());
@@ -179,7 +185,7 @@ impl<'c> Rough<'c> {
                 continue;
             }
             let begin = self.view.place([start, level]);
-            let infeed = if self.settings.lap.is_some() { Move::Rapid(begin) } else { self.contour.infeed(begin) };
+            let infeed = if self.settings.lap.is_some() { CycleMove::Rapid(begin) } else { self.contour.infeed(begin) };
             cut.sink.go(infeed)?;
             cut.feed([open.end.along, level])?;
             cut.rapid([open.end.along - retract, level + retract])?;
@@ -194,9 +200,9 @@ impl<'c> Rough<'c> {
 
     /// Cuts a level where the blank has material: in from the clearance before it, at rapid where there is none. Before
     /// it the tool is in front of where it has begun on the level before.
-    fn cut_blank<S: Sink>(
+    fn cut_blank<S: MoveSink>(
         &self,
-        cut: &mut Cut<'_, S>,
+        cut: &mut ToolCursor<'_, S>,
         cuts: &[[f64; 2]],
         (begun, level): (f64, f64),
     ) -> Result<(), S::Stop> {
@@ -212,7 +218,7 @@ impl<'c> Rough<'c> {
     }
 
     /// Cuts a pocket, and leaves it.
-    fn pocket<S: Sink>(&self, cut: &mut Cut<'_, S>, root: Pocket) -> Result<(), S::Stop> {
+    fn pocket<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, root: RoughPocket) -> Result<(), S::Stop> {
         let mut open = vec![root];
         while let Some(pocket) = open.pop() {
             let Some(level) = self.level(pocket.level) else { continue };
@@ -230,7 +236,7 @@ impl<'c> Rough<'c> {
             let mut below: Vec<_> = below.collect();
             for (index, child) in below.iter_mut().enumerate() {
                 let flank = index == 0 && self.parts.falls(pocket.begin.part, child.begin.part);
-                child.entry = if flank { Entry::Flank(pocket.begin) } else { Entry::Beside(level) };
+                child.entry = if flank { PocketEntry::Flank(pocket.begin) } else { PocketEntry::Beside(level) };
             }
             open.extend(below.into_iter().rev());
         }
@@ -240,23 +246,23 @@ impl<'c> Rough<'c> {
     }
 
     /// Takes the tool to the beginning of a stretch.
-    fn enter<S: Sink>(&self, cut: &mut Cut<'_, S>, pocket: &Pocket, level: f64) -> Result<(), S::Stop> {
+    fn enter<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, pocket: &RoughPocket, level: f64) -> Result<(), S::Stop> {
         let place = pocket.begin.part;
         let (height, from) = match pocket.entry {
-            Entry::Flank(above) => {
+            PocketEntry::Flank(above) => {
                 let height = self.level(pocket.level - 1).unwrap_or(level);
                 let aside = (cut.at[1] - height).max(0.0);
                 cut.rapid([above.along + aside, cut.at[1]])?;
                 cut.feed([above.along, height])?;
                 return self.flank(cut, above.part, place, [pocket.begin.along, level]);
             }
-            Entry::Start(height) => {
+            PocketEntry::Start(height) => {
                 if cut.at[1] < height - NOISE {
                     cut.rapid([cut.at[0], self.origin[1]])?;
                 }
                 (height, self.parts.descent(place))
             }
-            Entry::Beside(height) => {
+            PocketEntry::Beside(height) => {
                 let above = height + self.settings.retract;
                 if cut.at[1] < above - NOISE {
                     cut.rapid([cut.at[0], above])?;
@@ -272,7 +278,13 @@ impl<'c> Rough<'c> {
     }
 
     /// Feeds along the contour from within one part to a point of another one.
-    fn flank<S: Sink>(&self, cut: &mut Cut<'_, S>, from: usize, to: usize, end: Spot) -> Result<(), S::Stop> {
+    fn flank<S: MoveSink>(
+        &self,
+        cut: &mut ToolCursor<'_, S>,
+        from: usize,
+        to: usize,
+        end: Spot,
+    ) -> Result<(), S::Stop> {
         for (index, part) in self.parts.all.iter().enumerate().take(to + 1).skip(from) {
             let target = if index == to { end } else { part.to };
             cut.part(part, target)?;
@@ -281,16 +293,16 @@ impl<'c> Rough<'c> {
     }
 
     /// Cuts along the contour, and returns to where the cycle began.
-    fn contour_pass<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+    fn contour_pass<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>) -> Result<(), S::Stop> {
         self.along_contour(cut, [0.0; 2])?;
         if self.settings.lap.is_some_and(|lap| lap.stays) {
             return Ok(());
         }
-        cut.sink.go(Move::Rapid(self.contour.start))
+        cut.sink.go(CycleMove::Rapid(self.contour.start))
     }
 
     /// Cuts along the contour, moved by an amount in addition to the allowance. Returns where it ends.
-    fn along_contour<S: Sink>(&self, cut: &mut Cut<'_, S>, away: Spot) -> Result<Spot, S::Stop> {
+    fn along_contour<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, away: Spot) -> Result<Spot, S::Stop> {
         cut.sink.pass()?;
         let by = [self.settings.allowance[0] + away[0], self.settings.allowance[1] + away[1]];
         let mut end = self.contour.start;
@@ -319,9 +331,9 @@ impl<'c> Rough<'c> {
 }
 
 /// The part of a pocket one level deeper.
-fn inside(pocket: &Pocket, stretch: &Stretch) -> Option<Pocket> {
+fn inside(pocket: &RoughPocket, stretch: &LevelStretch) -> Option<RoughPocket> {
     let begin = stretch.begin?;
     let within = begin.along >= pocket.begin.along - NOISE && stretch.end.along <= pocket.end.along + NOISE;
     let part = begin.part >= pocket.begin.part && stretch.end.part <= pocket.end.part;
-    (within && part).then_some(Pocket { begin, end: stretch.end, level: pocket.level + 1, ..*pocket })
+    (within && part).then_some(RoughPocket { begin, end: stretch.end, level: pocket.level + 1, ..*pocket })
 }

@@ -9,13 +9,13 @@
 mod recess;
 
 use super::allowance::leave;
-use super::cut::Cut;
-use super::parts::{Mark, Part, Parts, Stretch};
-use super::view::View;
-use super::{NOISE, Sink, along};
+use super::cut::ToolCursor;
+use super::parts::{ContourPart, ContourParts, ContourPosition, LevelStretch};
+use super::view::CutView;
+use super::{MoveSink, NOISE, along};
 use crate::contour::element::{Element, Spot, angle};
 use crate::contour::shifted::shifted;
-use recess::End;
+use recess::FlatToolEnd;
 
 /// The work along a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Strip {
 
 /// Why a contour cannot be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wrong {
+pub enum StripError {
     /// It turns back along the cut.
     TurnsBack,
     /// It has no piece.
@@ -63,13 +63,13 @@ pub enum Wrong {
 
 /// Equal levels below a height.
 #[derive(Debug, Clone, Copy)]
-struct Grid {
+struct EqualLevels {
     top: f64,
     step: f64,
     count: u32,
 }
 
-impl Grid {
+impl EqualLevels {
     fn new(top: f64, low: f64, depth: f64) -> Self {
         let whole = (top - low).max(0.0);
         let count = if whole <= NOISE {
@@ -90,26 +90,26 @@ impl Grid {
 /// A stretch of a level within a relief cut.
 #[derive(Debug, Clone, Copy)]
 struct Relief {
-    begin: Mark,
-    end: Mark,
-    grid: Grid,
+    begin: ContourPosition,
+    end: ContourPosition,
+    grid: EqualLevels,
     number: u32,
     /// Where the level before began on the same flank.
-    above: Option<Mark>,
+    above: Option<ContourPosition>,
     /// It is the first one of its section.
     first: bool,
 }
 
 /// Cut after the open levels.
 #[derive(Debug, Clone, Copy)]
-enum Start {
+enum DeferredCut {
     /// A level that is continued by the levels below it.
     Level(Relief),
     /// A section between two places of the contour, below a height.
-    Section(Mark, Mark, f64),
+    Section(ContourPosition, ContourPosition, f64),
 }
 
-impl Start {
+impl DeferredCut {
     /// Where it begins.
     fn part(&self) -> usize {
         match self {
@@ -124,9 +124,9 @@ impl Start {
 pub struct Removal<'c> {
     contour: &'c [Element],
     strip: Strip,
-    view: View,
+    view: CutView,
     /// The contour with its allowances.
-    parts: Parts,
+    parts: ContourParts,
     /// Where the cycle begins and ends, as seen.
     start: Spot,
     high: f64,
@@ -137,9 +137,9 @@ impl<'c> Removal<'c> {
     ///
     /// # Errors
     /// The contour cannot be cut.
-    pub fn new(contour: &'c [Element], strip: Strip) -> Result<Self, Wrong> {
-        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(Wrong::Nothing) };
-        let plain = View { face: strip.face, signs: [1.0; 2] };
+    pub fn new(contour: &'c [Element], strip: Strip) -> Result<Self, StripError> {
+        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(StripError::Nothing) };
+        let plain = CutView { face: strip.face, signs: [1.0; 2] };
         let (from, to) = (plain.see(first.from), plain.see(last.to));
         let sign = |way: f64, or: f64| if way.abs() > NOISE { way.signum() } else { or };
         let stock = match (strip.face, strip.inside) {
@@ -149,25 +149,25 @@ impl<'c> Removal<'c> {
             (false, false) => 1.0,
         };
         let toward = sign(to[0] - from[0], if strip.face && strip.inside { 1.0 } else { -1.0 });
-        let view = View { signs: [toward, stock], ..plain };
-        let whole = Parts::of(contour, &view);
+        let view = CutView { signs: [toward, stock], ..plain };
+        let whole = ContourParts::of(contour, &view);
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
         whole.check(unbounded, false).map_err(|refusal| match refusal {
-            super::Refusal::Nothing => Wrong::Nothing,
-            _ => Wrong::TurnsBack,
+            super::ContourError::Nothing => StripError::Nothing,
+            _ => StripError::TurnsBack,
         })?;
         if strip.clearance > 0.0 && whole.all.iter().any(|part| steepest(part) > strip.clearance + 0.01) {
-            return Err(Wrong::Clearance);
+            return Err(StripError::Clearance);
         }
         let side = if view.turns_over() { -1.0 } else { 1.0 };
         let parts = if strip.around > 0.0 {
-            Parts::of(&shifted(contour, side, strip.around).ok_or(Wrong::Narrow)?, &view)
+            ContourParts::of(&shifted(contour, side, strip.around).ok_or(StripError::Narrow)?, &view)
         } else {
             whole
         };
         let [z, x] = strip.allowance;
         let left = if strip.face { [x, z] } else { [z, x] };
-        let parts = Parts::made_of(leave(parts.all, left).ok_or(Wrong::Narrow)?);
+        let parts = ContourParts::made_of(leave(parts.all, left).ok_or(StripError::Narrow)?);
         let high = parts.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]));
         let begin = parts.all.first().map_or(0.0, |part| part.from[0]);
         let start = [begin - strip.lift, high + strip.lift];
@@ -180,8 +180,8 @@ impl<'c> Removal<'c> {
     ///
     /// # Errors
     /// The sink takes no more.
-    pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
-        let mut cut = Cut { sink, view: self.view, at: self.start };
+    pub fn run<S: MoveSink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        let mut cut = ToolCursor { sink, view: self.view, at: self.start };
         cut.rapid(self.start)?;
         if let Some(end) = self.end() {
             return self.recess(&mut cut, end);
@@ -197,21 +197,21 @@ impl<'c> Removal<'c> {
     }
 
     /// The end of a tool that plunges.
-    fn end(&self) -> Option<End> {
-        (self.strip.plunges != 0.0).then(|| End::new(self.strip.plunges * self.view.signs[0]))
+    fn end(&self) -> Option<FlatToolEnd> {
+        (self.strip.plunges != 0.0).then(|| FlatToolEnd::new(self.strip.plunges * self.view.signs[0]))
     }
 
     /// Axis by axis to the start.
-    fn back<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+    fn back<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>) -> Result<(), S::Stop> {
         cut.rapid([cut.at[0], self.start[1]])?;
         cut.rapid(self.start)
     }
 
     /// Levels above the beginning of the contour, then the relief cuts.
-    fn open_section<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+    fn open_section<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>) -> Result<(), S::Stop> {
         let Some(last) = self.parts.all.len().checked_sub(1) else { return Ok(()) };
         let begin = self.parts.all.first().map_or(self.high, |part| part.from[1]);
-        let grid = Grid::new(self.high, begin, self.strip.depth);
+        let grid = EqualLevels::new(self.high, begin, self.strip.depth);
         let mut reliefs = Vec::new();
         let mut end = last;
         for number in 0..=grid.count {
@@ -225,9 +225,9 @@ impl<'c> Removal<'c> {
                 self.level(cut, open.end, level, grid.height(number - 1))?;
                 cut.rapid([self.start[0], cut.at[1]])?;
                 // Beside it, below a peak that is lower than the level before.
-                let beside = stretches.filter_map(|Stretch { begin, end: to }| {
+                let beside = stretches.filter_map(|LevelStretch { begin, end: to }| {
                     let begin = begin.filter(|_| to.part <= end)?;
-                    Some(Start::Level(Relief { begin, end: to, grid, number, above: None, first: true }))
+                    Some(DeferredCut::Level(Relief { begin, end: to, grid, number, above: None, first: true }))
                 });
                 reliefs.extend(beside);
                 end = open.end.part;
@@ -235,24 +235,30 @@ impl<'c> Removal<'c> {
             // Material below this level that is not reached from the start of the contour.
             for (begin, (from, to)) in self.below(level, (0, end)) {
                 if begin.is_some() || number == grid.count {
-                    reliefs.push(Start::Section(from, to, level));
+                    reliefs.push(DeferredCut::Section(from, to, level));
                 } else {
                     end = to.part;
                 }
             }
         }
-        reliefs.sort_by_key(Start::part);
+        reliefs.sort_by_key(DeferredCut::part);
         for relief in reliefs {
             match relief {
-                Start::Level(relief) => self.reliefs(cut, vec![relief])?,
-                Start::Section(begin, end, top) => self.relief_section(cut, (begin, end), top)?,
+                DeferredCut::Level(relief) => self.reliefs(cut, vec![relief])?,
+                DeferredCut::Section(begin, end, top) => self.relief_section(cut, (begin, end), top)?,
             }
         }
         Ok(())
     }
 
     /// Cuts along a level to its end on the contour, up along it to the level before, and lifts off.
-    fn level<S: Sink>(&self, cut: &mut Cut<'_, S>, end: Mark, level: f64, before: f64) -> Result<(), S::Stop> {
+    fn level<S: MoveSink>(
+        &self,
+        cut: &mut ToolCursor<'_, S>,
+        end: ContourPosition,
+        level: f64,
+        before: f64,
+    ) -> Result<(), S::Stop> {
         let from = cut.at[0];
         self.cut_with_pauses(cut, [end.along, level])?;
         if self.strip.rounds {
@@ -262,7 +268,7 @@ impl<'c> Removal<'c> {
         cut.rapid([to, cut.at[1] + self.strip.lift])
     }
 
-    fn cut_with_pauses<S: Sink>(&self, cut: &mut Cut<'_, S>, to: Spot) -> Result<(), S::Stop> {
+    fn cut_with_pauses<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, to: Spot) -> Result<(), S::Stop> {
         let [seconds, way] = self.strip.pause;
         if seconds > 0.0 && way > 0.0 {
             let from = cut.at[0];
@@ -280,7 +286,12 @@ impl<'c> Removal<'c> {
     }
 
     /// Up along the contour to a height, as long as it does not fall.
-    fn round<S: Sink>(&self, cut: &mut Cut<'_, S>, from: Mark, height: f64) -> Result<(), S::Stop> {
+    fn round<S: MoveSink>(
+        &self,
+        cut: &mut ToolCursor<'_, S>,
+        from: ContourPosition,
+        height: f64,
+    ) -> Result<(), S::Stop> {
         for part in self.parts.all.iter().skip(from.part) {
             if cut.at[1] >= height - NOISE || part.to[1] < part.from[1].max(cut.at[1]) - NOISE {
                 break;
@@ -293,16 +304,20 @@ impl<'c> Removal<'c> {
 
     /// Stretches of the contour below a level, among some of its parts: where each begins (none where the parts do) and
     /// its ends.
-    fn below(&self, level: f64, (first, last): (usize, usize)) -> Vec<(Option<Mark>, (Mark, Mark))> {
+    fn below(
+        &self,
+        level: f64,
+        (first, last): (usize, usize),
+    ) -> Vec<(Option<ContourPosition>, (ContourPosition, ContourPosition))> {
         let mut found = Vec::new();
-        let mut open: Option<(Option<Mark>, Mark)> = None;
+        let mut open: Option<(Option<ContourPosition>, ContourPosition)> = None;
         for (index, part) in self.parts.all.iter().enumerate().take(last + 1).skip(first) {
             let (from, to) = (part.from[1] < level - NOISE, part.to[1] < level - NOISE);
             if index == first && from {
-                open = Some((None, Mark { part: index, along: part.from[0] }));
+                open = Some((None, ContourPosition { part: index, along: part.from[0] }));
             }
             if !from && to {
-                let mark = Mark { part: index, along: part.meets(level) };
+                let mark = ContourPosition { part: index, along: part.meets(level) };
                 let at_start = index == 0 && part.from[1] <= level + NOISE;
                 open = Some(((!at_start).then_some(mark), mark));
             }
@@ -310,32 +325,32 @@ impl<'c> Removal<'c> {
                 && !to
                 && let Some((begin, mark)) = open.take()
             {
-                found.push((begin, (mark, Mark { part: index, along: part.meets(level) })));
+                found.push((begin, (mark, ContourPosition { part: index, along: part.meets(level) })));
             }
         }
         if let Some(((begin, mark), part)) = open.zip(self.parts.all.get(last)) {
-            found.push((begin, (mark, Mark { part: last, along: part.to[0] })));
+            found.push((begin, (mark, ContourPosition { part: last, along: part.to[0] })));
         }
         found
     }
 
     /// A relief cut below a level that was cut.
-    fn relief_section<S: Sink>(
+    fn relief_section<S: MoveSink>(
         &self,
-        cut: &mut Cut<'_, S>,
-        (begin, end): (Mark, Mark),
+        cut: &mut ToolCursor<'_, S>,
+        (begin, end): (ContourPosition, ContourPosition),
         top: f64,
     ) -> Result<(), S::Stop> {
         let within = self.parts.all.get(begin.part..=end.part).unwrap_or_default();
         let low = within.iter().fold(top, |low, part| low.min(part.to[1]));
-        let grid = Grid::new(top, low, self.strip.depth);
+        let grid = EqualLevels::new(top, low, self.strip.depth);
         let mut open = self.stretches(grid, 1, (begin, end));
         open.reverse();
         self.reliefs(cut, open)
     }
 
     /// Levels of relief cuts, each with those below it; the last one is the first to be cut.
-    fn reliefs<S: Sink>(&self, cut: &mut Cut<'_, S>, mut open: Vec<Relief>) -> Result<(), S::Stop> {
+    fn reliefs<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, mut open: Vec<Relief>) -> Result<(), S::Stop> {
         let mut sections = Vec::new();
         while let Some(relief) = open.pop() {
             let level = relief.grid.height(relief.number);
@@ -359,10 +374,16 @@ impl<'c> Removal<'c> {
     }
 
     /// The stretches of a level between two places of the contour.
-    fn stretches(&self, grid: Grid, number: u32, (begin, end): (Mark, Mark)) -> Vec<Relief> {
+    fn stretches(
+        &self,
+        grid: EqualLevels,
+        number: u32,
+        (begin, end): (ContourPosition, ContourPosition),
+    ) -> Vec<Relief> {
         let level = grid.height(number);
-        let found = self.parts.stretches(level).into_iter().filter_map(|Stretch { begin: from, end: to }| {
-            let from = from.unwrap_or(Mark { part: 0, along: self.parts.all.first().map_or(0.0, |part| part.from[0]) });
+        let found = self.parts.stretches(level).into_iter().filter_map(|LevelStretch { begin: from, end: to }| {
+            let from = from
+                .unwrap_or(ContourPosition { part: 0, along: self.parts.all.first().map_or(0.0, |part| part.from[0]) });
             let inside = from.part >= begin.part && to.part <= end.part;
             inside.then_some(Relief { begin: from, end: to, grid, number, above: None, first: false })
         });
@@ -376,7 +397,7 @@ impl<'c> Removal<'c> {
     }
 
     /// Takes the tool to the beginning of a level of a relief cut, down along the contour.
-    fn enter<S: Sink>(&self, cut: &mut Cut<'_, S>, relief: &Relief, level: f64) -> Result<(), S::Stop> {
+    fn enter<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, relief: &Relief, level: f64) -> Result<(), S::Stop> {
         let before = relief.grid.height(relief.number - 1);
         let (from, part) = match relief.above {
             Some(above) => ([above.along, before], above.part),
@@ -401,7 +422,7 @@ impl<'c> Removal<'c> {
     }
 
     /// Where the contour begins to fall to a place, not above a height: the point and its part.
-    fn descent(&self, place: Mark, height: f64) -> (Spot, usize) {
+    fn descent(&self, place: ContourPosition, height: f64) -> (Spot, usize) {
         let mut part = place.part;
         while let Some(piece) = self.parts.all.get(part) {
             let above = piece.from[1] > height + NOISE;
@@ -420,7 +441,7 @@ impl<'c> Removal<'c> {
     }
 
     /// Along the contour, and back to the start.
-    fn finish<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+    fn finish<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>) -> Result<(), S::Stop> {
         cut.sink.pass()?;
         let Some(first) = self.contour.first() else { return Ok(()) };
         cut.sink.beside(Some(if self.view.turns_over() { -1.0 } else { 1.0 }))?;
@@ -439,7 +460,7 @@ impl<'c> Removal<'c> {
 }
 
 /// The side of the stock of a groove: that of its ends, seen from its base.
-fn away_from_base(contour: &[Element], view: &View) -> f64 {
+fn away_from_base(contour: &[Element], view: &CutView) -> f64 {
     let Some(first) = contour.first().map(|first| view.see(first.from)[1]) else { return 1.0 };
     let deep = contour.iter().map(|element| first - view.see(element.to)[1]);
     let deepest = deep.fold(0.0, |most: f64, deep| if deep.abs() > most.abs() { deep } else { most });
@@ -447,7 +468,7 @@ fn away_from_base(contour: &[Element], view: &View) -> f64 {
 }
 
 /// The steepest angle at which a part falls, degrees; 0 if it does not.
-fn steepest(part: &Part) -> f64 {
+fn steepest(part: &ContourPart) -> f64 {
     if part.to[1] >= part.from[1] - NOISE {
         return 0.0;
     }

@@ -1,8 +1,8 @@
 //! Cycles worked by hand. Contours and moves are written as programs write them: X as a diameter.
 
-use super::lap::{Change, Lap};
-use super::rough::{Rough, Settings};
-use super::{Contour, Move, Refusal, Sink, pattern, peck};
+use super::lap::{DepthChange, LapSettings};
+use super::rough::{RoughCycle, RoughSettings};
+use super::{ContourError, CycleMove, MoveSink, ProgrammedContour, pattern, peck};
 use crate::arc::by_radius;
 use crate::contour::element::{Element, Spot};
 
@@ -24,7 +24,7 @@ fn number(value: f64) -> String {
     format!("{}", (value * 1e4).round() / 1e4 + 0.0)
 }
 
-impl Sink for Written {
+impl MoveSink for Written {
     type Stop = ();
 
     fn pass(&mut self) -> Result<(), ()> {
@@ -32,11 +32,11 @@ impl Sink for Written {
         if self.passes > self.most { Err(()) } else { Ok(()) }
     }
 
-    fn go(&mut self, to: Move) -> Result<(), ()> {
+    fn go(&mut self, to: CycleMove) -> Result<(), ()> {
         let (letter, to) = match to {
-            Move::Rapid(to) => ("R", to),
-            Move::Feed(to) => ("F", to),
-            Move::Arc { to, clockwise, .. } => (if clockwise { "G2" } else { "G3" }, to),
+            CycleMove::Rapid(to) => ("R", to),
+            CycleMove::Feed(to) => ("F", to),
+            CycleMove::Arc { to, clockwise, .. } => (if clockwise { "G2" } else { "G3" }, to),
         };
         let mut text = letter.to_owned();
         if number(2.0 * to[1]) != number(2.0 * self.at[1]) {
@@ -54,7 +54,7 @@ impl Sink for Written {
 }
 
 /// A contour through points `(X, Z, radius)` from a start `(X, Z)`; a radius above 0 turns counter-clockwise.
-pub(super) fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour {
+pub(super) fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> ProgrammedContour {
     let spot = |x: f64, z: f64| [z, x / 2.0];
     let mut elements = Vec::new();
     let mut points = points.iter();
@@ -66,16 +66,16 @@ pub(super) fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour
         elements.push(Element { from, to, arc });
         from = to;
     }
-    Contour { start: spot(x, z), elements, blank: Vec::new(), rapid: true }
+    ProgrammedContour { start: spot(x, z), elements, blank: Vec::new(), rapid: true }
 }
 
-fn settings(depth: f64, retract: f64, u: f64, w: f64) -> Settings {
-    Settings { face: false, depth, retract, allowance: [w, u / 2.0], semi: [0.0; 2], pockets: false, lap: None }
+fn settings(depth: f64, retract: f64, u: f64, w: f64) -> RoughSettings {
+    RoughSettings { face: false, depth, retract, allowance: [w, u / 2.0], semi: [0.0; 2], pockets: false, lap: None }
 }
 
-fn rough(contour: &Contour, settings: Settings) -> String {
+fn rough(contour: &ProgrammedContour, settings: RoughSettings) -> String {
     let mut written = Written::from(contour.start);
-    Rough::new(contour, settings).unwrap().run(&mut written).unwrap();
+    RoughCycle::new(contour, settings).unwrap().run(&mut written).unwrap();
     written.text.join("; ")
 }
 
@@ -151,7 +151,7 @@ fn facing_is_turning_with_the_axes_exchanged() {
         ],
     );
     assert_eq!(
-        rough(&part, Settings { face: true, ..settings(4.0, 0.5, 0.4, 0.2) }),
+        rough(&part, RoughSettings { face: true, ..settings(4.0, 0.5, 0.4, 0.2) }),
         "R X62.4 Z3.2; R Z-0.8; F X10.4; R X11.4 Z-0.3; R X62.4; R Z-4.8; F X24.4; R X25.4 Z-4.3; R X62.4; R Z-8.8; \
          F X24.4; R X25.4 Z-8.3; R X62.4; R Z-12.8; F X41.65; R X42.65 Z-12.3; R X62.4; R Z-16.8; F X46.65; \
          R X47.65 Z-16.3; R X62.4; R Z-19.8; F X50.4; R X51.4 Z-19.3; R X62.4; R Z-19.8; F X50.4; F X40.4 Z-11.8; \
@@ -174,7 +174,7 @@ fn pockets_follow_the_open_levels() {
         ],
     );
     assert_eq!(
-        rough(&part, Settings { pockets: true, ..settings(5.0, 1.0, 0.0, 0.0) }),
+        rough(&part, RoughSettings { pockets: true, ..settings(5.0, 1.0, 0.0, 0.0) }),
         "R X42; F Z-40; R X44 Z-39; R Z2; R X32; F Z-29.8182; R X34 Z-28.8182; R Z2; R Z-10; R X32; F X30; F X22 Z-14; \
          F Z-27.0909; R X24 Z-26.0909; R Z-15; F X22 Z-14; F X18 Z-16; F Z-26; R X20 Z-25; R X52; R Z2; R X30; F Z-10; \
          F X18 Z-16; F Z-26; F X40 Z-32; F Z-40; F X52; R Z2"
@@ -197,7 +197,7 @@ fn pockets_beside_each_other_come_along_the_cut() {
             (40., -24., 0.),
         ],
     );
-    let text = rough(&part, Settings { pockets: true, ..settings(5.0, 1.0, 0.0, 0.0) });
+    let text = rough(&part, RoughSettings { pockets: true, ..settings(5.0, 1.0, 0.0, 0.0) });
     assert_eq!(
         text,
         "R X30; F Z-24; R X32 Z-23; R Z2; R Z-10; F X30; F X20 Z-12; R X40; R Z2; R Z-20; R X32; F X30; F X20 Z-22; \
@@ -220,7 +220,7 @@ fn from_left_to_right() {
 fn patterns_come_nearer() {
     let part = contour((50.0, 5.0), &[(20., 2., 0.), (20., -10., 0.), (30., -20., 0.), (44., -20., 0.)]);
     let mut written = Written::from(part.start);
-    let settings = pattern::Settings { relief: [3.0, 6.0], allowance: [0.2, 0.3], passes: 3 };
+    let settings = pattern::PatternRepeatSettings { relief: [3.0, 6.0], allowance: [0.2, 0.3], passes: 3 };
     pattern::run(&part, &settings, &mut written).unwrap();
     assert_eq!(
         written.text.join("; "),
@@ -229,7 +229,7 @@ fn patterns_come_nearer() {
     );
 }
 
-fn pecks(settings: &peck::Settings) -> String {
+fn pecks(settings: &peck::PeckSettings) -> String {
     let [peck, column] = settings.start;
     let mut written = Written::from(if settings.along_x { [column, peck] } else { [peck, column] });
     settings.run(&mut written).unwrap();
@@ -238,7 +238,7 @@ fn pecks(settings: &peck::Settings) -> String {
 
 #[test]
 fn pecks_and_columns() {
-    let hole = peck::Settings {
+    let hole = peck::PeckSettings {
         along_x: false,
         start: [2.0, 0.0],
         end: [-30.0, 0.0],
@@ -248,7 +248,7 @@ fn pecks_and_columns() {
         relief: 0.0,
     };
     assert_eq!(pecks(&hole), "F Z-10; R Z-9.5; F Z-22; R Z-21.5; F Z-30; R Z2");
-    let face = peck::Settings {
+    let face = peck::PeckSettings {
         start: [3.0, 20.0],
         end: [-12.0, 16.0],
         peck: 5.0,
@@ -261,7 +261,7 @@ fn pecks_and_columns() {
         pecks(&face),
         "F Z-2; R Z-1; F Z-7; R Z-6; F Z-12; R X41; R Z3; R X32; F Z-2; R Z-1; F Z-7; R Z-6; F Z-12; R X33; R Z3; R X40"
     );
-    let groove = peck::Settings {
+    let groove = peck::PeckSettings {
         along_x: true,
         start: [26.0, -20.0],
         end: [20.0, -26.0],
@@ -278,13 +278,17 @@ fn pecks_and_columns() {
 
 #[test]
 fn a_contour_that_cannot_be_cut_is_refused() {
-    let of = |points: &[(f64, f64, f64)]| Rough::new(&contour((50.0, 2.0), points), settings(2.0, 1.0, 0.0, 0.0)).err();
-    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (30., -5., 0.)]), Some(Refusal::TurnsBack));
-    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.), (60., -12., 0.)]), Some(Refusal::BeyondStart));
+    let of =
+        |points: &[(f64, f64, f64)]| RoughCycle::new(&contour((50.0, 2.0), points), settings(2.0, 1.0, 0.0, 0.0)).err();
+    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (30., -5., 0.)]), Some(ContourError::TurnsBack));
+    assert_eq!(
+        of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.), (60., -12., 0.)]),
+        Some(ContourError::BeyondStart)
+    );
     // The last piece may leave the part.
     assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.)]), None);
-    assert_eq!(of(&[(20., 2., 0.)]), Some(Refusal::Nothing));
-    assert_eq!(of(&[(20., 2., 0.), (f64::NAN, -10., 0.)]), Some(Refusal::Nothing));
+    assert_eq!(of(&[(20., 2., 0.)]), Some(ContourError::Nothing));
+    assert_eq!(of(&[(20., 2., 0.), (f64::NAN, -10., 0.)]), Some(ContourError::Nothing));
     assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.)]), None);
 }
 
@@ -292,20 +296,20 @@ fn a_contour_that_cannot_be_cut_is_refused() {
 fn millions_of_passes_can_be_stopped() {
     let part = contour((50.0, 2.0), &[(20., 2., 0.), (20., -10., 0.), (50., -10., 0.)]);
     let mut written = Written { most: 10, ..Written::from(part.start) };
-    assert!(Rough::new(&part, settings(1e-5, 1.0, 0.0, 0.0)).unwrap().run(&mut written).is_err());
+    assert!(RoughCycle::new(&part, settings(1e-5, 1.0, 0.0, 0.0)).unwrap().run(&mut written).is_err());
     assert_eq!(written.passes, 11);
 }
 
-const LAP: Lap = Lap { copies: false, changes: [None; 2], stays: false };
+const LAP: LapSettings = LapSettings { copies: false, changes: [None; 2], stays: false };
 
-fn lap_part() -> Contour {
+fn lap_part() -> ProgrammedContour {
     let points = [(20.0, 2.0, 0.0), (20.0, -20.0, 0.0), (30.0, -30.0, 0.0), (30.0, -50.0, 0.0), (42.0, -50.0, 0.0)];
     contour((44.0, 2.0), &points)
 }
 
 #[test]
 fn bar_turning_of_lap() {
-    let settings = Settings { lap: Some(LAP), ..settings(2.0, 0.1, 0.4, 0.1) };
+    let settings = RoughSettings { lap: Some(LAP), ..settings(2.0, 0.1, 0.4, 0.1) };
     let expected = "R X40; F Z-49.9; R X40.2 Z-49.8; R Z2; R X36; F Z-49.9; R X36.2 Z-49.8; R Z2; R X32; F Z-49.9; \
                     R X32.2 Z-49.8; R Z2; R X28; F Z-27.5; R X28.2 Z-27.4; R Z2; R X24; F Z-23.5; R X24.2 Z-23.4; R Z2; \
                     R X20.4; F Z-19.9; F X30.4 Z-29.9; F Z-49.9; F X42.4; R X44 Z2";
@@ -314,9 +318,9 @@ fn bar_turning_of_lap() {
 
 #[test]
 fn levels_of_lap_with_another_depth_from_a_place_on() {
-    let change = Change { from: 18.0, depth: Some(1.0) };
-    let lap = Lap { changes: [Some(change), None], stays: true, ..LAP };
-    let text = rough(&lap_part(), Settings { lap: Some(lap), ..settings(2.0, 0.1, 0.4, 0.1) });
+    let change = DepthChange { from: 18.0, depth: Some(1.0) };
+    let lap = LapSettings { changes: [Some(change), None], stays: true, ..LAP };
+    let text = rough(&lap_part(), RoughSettings { lap: Some(lap), ..settings(2.0, 0.1, 0.4, 0.1) });
     let levels: Vec<_> = text.split("; ").filter(|step| step.starts_with("R X") && !step.contains('Z')).collect();
     assert_eq!(levels, ["R X40", "R X36", "R X34", "R X32", "R X30", "R X28", "R X26", "R X24", "R X22", "R X20.4"]);
     assert!(text.ends_with("F X42.4"));
@@ -324,8 +328,8 @@ fn levels_of_lap_with_another_depth_from_a_place_on() {
 
 #[test]
 fn copy_turning_of_lap() {
-    let lap = Lap { copies: true, ..LAP };
+    let lap = LapSettings { copies: true, ..LAP };
     let points = [(20.0, 2.0, 0.0), (20.0, -20.0, 0.0), (30.0, -30.0, 0.0)];
-    let text = rough(&contour((32.0, 2.0), &points), Settings { lap: Some(lap), ..settings(3.0, 0.1, 0.0, 0.0) });
+    let text = rough(&contour((32.0, 2.0), &points), RoughSettings { lap: Some(lap), ..settings(3.0, 0.1, 0.0, 0.0) });
     assert_eq!(text, "R X26; F Z-20; F X36 Z-30; R Z2; R X20; F Z-20; F X30 Z-30; R Z2; R X32");
 }

@@ -8,14 +8,14 @@ use crate::contour::element::Spot;
 
 /// How the plane is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct View {
+pub(super) struct CutView {
     /// The cut runs along X.
     pub(super) face: bool,
     /// Signs of the direction along the cut, and of that to the stock.
     pub(super) signs: [f64; 2],
 }
 
-impl View {
+impl CutView {
     /// A point of the plane as seen.
     pub(super) fn see(&self, [z, x]: Spot) -> Spot {
         let [along, across] = if self.face { [x, z] } else { [z, x] };

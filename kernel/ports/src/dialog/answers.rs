@@ -13,7 +13,7 @@ use super::{Dialog, FieldKind, find, same_name};
 /// A value of a field.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Value {
+pub enum DialogValue {
     /// On or off.
     Flag(bool),
     /// Number.
@@ -22,7 +22,7 @@ pub enum Value {
     Text(String),
 }
 
-impl Value {
+impl DialogValue {
     /// An empty text.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -30,7 +30,7 @@ impl Value {
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for DialogValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Flag(flag) => write!(f, "{flag}"),
@@ -43,7 +43,7 @@ impl fmt::Display for Value {
 /// An answer to a dialog.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Answer {
+pub struct DialogAnswer {
     /// Name of the dialog.
     pub dialog: String,
     /// Label of the button; none = the first of type OK.
@@ -51,27 +51,27 @@ pub struct Answer {
     pub button: Option<String>,
     /// Values by variable; letter case does not count.
     #[serde(default)]
-    pub values: BTreeMap<String, Value>,
+    pub values: BTreeMap<String, DialogValue>,
 }
 
-impl Answer {
+impl DialogAnswer {
     /// Value for a variable.
     #[must_use]
-    pub fn value(&self, variable: &str) -> Option<&Value> {
+    pub fn value(&self, variable: &str) -> Option<&DialogValue> {
         self.values.iter().find(|(name, _)| name.eq_ignore_ascii_case(variable)).map(|(_, value)| value)
     }
 }
 
 /// The answer to the `nth` showing of a dialog in a channel, counted from 0.
 #[must_use]
-pub fn nth<'a>(answers: &'a [Answer], dialog: &str, nth: usize) -> Option<&'a Answer> {
+pub fn nth<'a>(answers: &'a [DialogAnswer], dialog: &str, nth: usize) -> Option<&'a DialogAnswer> {
     let of_dialog = answers.iter().filter(|answer| same_name(&answer.dialog, dialog));
     of_dialog.clone().nth(nth).or_else(|| of_dialog.clone().next_back())
 }
 
 /// Errors in the answers of a job.
 #[must_use]
-pub fn check(dialogs: &[Dialog], answers: &[Answer]) -> Vec<String> {
+pub fn check(dialogs: &[Dialog], answers: &[DialogAnswer]) -> Vec<String> {
     let mut wrong = Vec::new();
     for answer in answers {
         let Some(dialog) = find(dialogs, &answer.dialog) else {

@@ -6,7 +6,7 @@
 pub mod answers;
 pub mod operator;
 
-use answers::{Answer, Value};
+use answers::{DialogAnswer, DialogValue};
 
 /// A dialog of a machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,14 +16,14 @@ pub struct Dialog {
     /// Title, the name if nothing else is said.
     pub title: String,
     /// Controls from top to bottom.
-    pub fields: Vec<Field>,
+    pub fields: Vec<DialogField>,
     /// Buttons from left to right, at least one of type OK.
     pub buttons: Vec<Button>,
 }
 
 /// A control.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Field {
+pub struct DialogField {
     /// Text beside it.
     pub label: String,
     /// Macro variable that it shows and sets, empty for a plain text.
@@ -31,7 +31,7 @@ pub struct Field {
     /// The data that it takes.
     pub kind: FieldKind,
     /// Value when the variable has none.
-    pub default: Option<Value>,
+    pub default: Option<DialogValue>,
     /// An empty value is refused.
     pub required: bool,
     /// Variable that has to be set, or must not be, for the control to take anything.
@@ -60,7 +60,7 @@ pub enum FieldKind {
     /// On or off.
     Check,
     /// One of some values: radio buttons, a list or a combo box. Label and value, in order.
-    Choice(Vec<(String, Value)>),
+    Choice(Vec<(String, DialogValue)>),
 }
 
 /// A button; its label is the result of the dialog.
@@ -87,11 +87,11 @@ pub enum ButtonKind {
 
 /// The outcome of a dialog.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
+pub struct DialogOutcome {
     /// Label of the button.
     pub button: String,
     /// Values for the variables, in the order of the fields; none after Cancel.
-    pub values: Vec<(String, Value)>,
+    pub values: Vec<(String, DialogValue)>,
 }
 
 /// Why a dialog failed; for a macro all of them are an input/output error.
@@ -135,16 +135,20 @@ pub fn find<'d>(dialogs: &'d [Dialog], name: &str) -> Option<&'d Dialog> {
 pub fn show(
     dialogs: &[Dialog],
     name: &str,
-    answer: Option<&Answer>,
-    current: &mut dyn FnMut(&str) -> Option<Value>,
-) -> Result<Shown, Failure> {
+    answer: Option<&DialogAnswer>,
+    current: &mut dyn FnMut(&str) -> Option<DialogValue>,
+) -> Result<DialogOutcome, Failure> {
     let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
     let answer = answer.ok_or_else(|| Failure::Unanswered(dialog.name.clone()))?;
     evaluate(dialog, answer, current).map_err(Failure::Refused)
 }
 
 /// Meaning of an answer; an error says why it is refused.
-fn evaluate(dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> Result<Shown, String> {
+fn evaluate(
+    dialog: &Dialog,
+    answer: &DialogAnswer,
+    current: &mut dyn FnMut(&str) -> Option<DialogValue>,
+) -> Result<DialogOutcome, String> {
     let button = dialog.button(answer)?;
     let mut values = Vec::new();
     if button.kind == ButtonKind::Ok {
@@ -157,18 +161,18 @@ fn evaluate(dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> O
             values.extend(value.map(|value| (field.variable.clone(), value)));
         }
     }
-    Ok(Shown { button: button.label.clone(), values })
+    Ok(DialogOutcome { button: button.label.clone(), values })
 }
 
 impl Dialog {
     /// Fields with a variable.
-    fn bound(&self) -> impl Iterator<Item = &Field> {
+    fn bound(&self) -> impl Iterator<Item = &DialogField> {
         self.fields.iter().filter(|field| !field.variable.is_empty())
     }
 
     /// Values that the fields begin with, by variable, then those of other variables that decide about fields.
-    fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Vec<(String, Value)> {
-        let mut values: Vec<(String, Value)> =
+    fn start(&self, current: &mut dyn FnMut(&str) -> Option<DialogValue>) -> Vec<(String, DialogValue)> {
+        let mut values: Vec<(String, DialogValue)> =
             self.bound().filter_map(|field| Some((field.variable.clone(), field.start(current)?))).collect();
         for (variable, _) in self.fields.iter().filter_map(|field| field.enabled.as_ref()) {
             if !values.iter().any(|(known, _)| known.eq_ignore_ascii_case(variable)) {
@@ -179,7 +183,7 @@ impl Dialog {
     }
 
     /// The button an answer presses: the named one, otherwise the first of type OK.
-    fn button(&self, answer: &Answer) -> Result<&Button, String> {
+    fn button(&self, answer: &DialogAnswer) -> Result<&Button, String> {
         let found = match &answer.button {
             Some(label) => self.buttons.iter().find(|button| button.label.eq_ignore_ascii_case(label)),
             None => self.buttons.iter().find(|button| button.kind == ButtonKind::Ok),
@@ -193,25 +197,30 @@ impl Dialog {
     }
 }
 
-impl Field {
+impl DialogField {
     /// Whether it takes values: the variable that decides, as it is entered in the same dialog or stands, is set or
     /// not.
-    fn is_enabled(&self, dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> bool {
+    fn is_enabled(
+        &self,
+        dialog: &Dialog,
+        answer: &DialogAnswer,
+        current: &mut dyn FnMut(&str) -> Option<DialogValue>,
+    ) -> bool {
         let Some((variable, wanted)) = &self.enabled else { return true };
         let shown = dialog.bound().find(|field| field.variable.eq_ignore_ascii_case(variable));
         let value = shown.and_then(|field| answer.value(variable).cloned().or_else(|| field.start(current)));
         let value = value.or_else(|| current(variable));
         let set = match value {
-            Some(Value::Flag(flag)) => flag,
-            Some(Value::Number(number)) => number != 0.0,
-            Some(Value::Text(text)) => !text.is_empty(),
+            Some(DialogValue::Flag(flag)) => flag,
+            Some(DialogValue::Number(number)) => number != 0.0,
+            Some(DialogValue::Text(text)) => !text.is_empty(),
             None => false,
         };
         set == *wanted
     }
 
     /// The value it begins with: that of its variable, otherwise its default.
-    fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Option<Value> {
+    fn start(&self, current: &mut dyn FnMut(&str) -> Option<DialogValue>) -> Option<DialogValue> {
         current(&self.variable).filter(|value| !value.is_empty()).or_else(|| self.default.clone())
     }
 
@@ -219,16 +228,20 @@ impl Field {
     ///
     /// # Errors
     /// Why it is refused.
-    pub fn accept(&self, value: Option<Value>) -> Result<Option<Value>, String> {
+    pub fn accept(&self, value: Option<DialogValue>) -> Result<Option<DialogValue>, String> {
         let name = &self.variable;
         let Some(value) = value.filter(|value| !value.is_empty()) else {
             return if self.required { Err(format!("{name} needs a value")) } else { Ok(None) };
         };
         match (&self.kind, &value) {
-            (FieldKind::Text { longest }, Value::Text(text)) if text.chars().count() <= *longest => Ok(Some(value)),
-            (FieldKind::Text { longest }, Value::Text(_)) => Err(format!("{name} takes {longest} characters at most")),
-            (FieldKind::Text { .. }, other) => Ok(Some(Value::Text(other.to_string()))),
-            (FieldKind::Number { min, max, whole }, Value::Number(number)) => {
+            (FieldKind::Text { longest }, DialogValue::Text(text)) if text.chars().count() <= *longest => {
+                Ok(Some(value))
+            }
+            (FieldKind::Text { longest }, DialogValue::Text(_)) => {
+                Err(format!("{name} takes {longest} characters at most"))
+            }
+            (FieldKind::Text { .. }, other) => Ok(Some(DialogValue::Text(other.to_string()))),
+            (FieldKind::Number { min, max, whole }, DialogValue::Number(number)) => {
                 if !(*min..=*max).contains(number) {
                     Err(format!("{name} must be {min} to {max}, not {number}"))
                 } else if *whole && number.fract() != 0.0 {
@@ -237,9 +250,9 @@ impl Field {
                     Ok(Some(value))
                 }
             }
-            (FieldKind::Check, Value::Flag(_)) => Ok(Some(value)),
+            (FieldKind::Check, DialogValue::Flag(_)) => Ok(Some(value)),
             (FieldKind::Choice(choices), given) => {
-                let by_label = |label: &str| matches!(given, Value::Text(text) if text == label);
+                let by_label = |label: &str| matches!(given, DialogValue::Text(text) if text == label);
                 let chosen = choices.iter().find(|(label, choice)| choice == given || by_label(label));
                 chosen.map(|(_, choice)| Some(choice.clone())).ok_or_else(|| {
                     let labels: Vec<&str> = choices.iter().map(|(label, _)| label.as_str()).collect();

@@ -4,15 +4,15 @@
 //! again with the reason. The operator's answers are the only outside input of a run, so the same answers give the same
 //! log.
 
-use super::answers::{Answer, Value};
-use super::{ButtonKind, Dialog, Failure, Shown, evaluate, find};
+use super::answers::{DialogAnswer, DialogValue};
+use super::{ButtonKind, Dialog, DialogOutcome, Failure, evaluate, find};
 
 /// Answers of one conversation at most, those to called dialogs included.
 const MOST: u32 = 100;
 
 /// A dialog that is open.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Question<'a> {
+pub struct OpenDialog<'a> {
     /// Channel whose macro asks; 0 = the master.
     pub channel: u16,
     /// File of the block.
@@ -23,7 +23,7 @@ pub struct Question<'a> {
     pub dialog: &'a Dialog,
     /// Values that the fields begin with, by variable, in the order of the fields; then those of other variables that
     /// decide about fields.
-    pub values: &'a [(String, Value)],
+    pub values: &'a [(String, DialogValue)],
     /// Why the answer before was refused.
     pub problem: Option<&'a str>,
 }
@@ -52,16 +52,16 @@ impl Silence {
 }
 
 /// The operator who answers dialogs.
-pub trait Operator: Send + Sync {
+pub trait DialogOperator: Send + Sync {
     /// Asks a question and waits for the answer.
     ///
     /// # Errors
     /// The reason why there is no answer.
-    fn ask(&self, question: &Question<'_>) -> Result<Answer, Silence>;
+    fn ask(&self, question: &OpenDialog<'_>) -> Result<DialogAnswer, Silence>;
 }
 
 /// Puts a dialog, the values that its fields begin with, and the reason why the answer before was refused.
-pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Result<Answer, Silence> + 'a;
+pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, DialogValue)], Option<&str>) -> Result<DialogAnswer, Silence> + 'a;
 
 /// Shows a dialog until a button ends it.
 ///
@@ -71,27 +71,27 @@ pub fn converse(
     dialogs: &[Dialog],
     name: &str,
     ask: &mut Ask<'_>,
-    current: &mut dyn FnMut(&str) -> Option<Value>,
-) -> Result<Shown, Failure> {
+    current: &mut dyn FnMut(&str) -> Option<DialogValue>,
+) -> Result<DialogOutcome, Failure> {
     let mut called = Vec::new();
     let mut left = MOST;
     let mut shown = open(dialogs, name, ask, current, &mut called, &mut left)?;
     called.append(&mut shown.values);
-    Ok(Shown { values: called, ..shown })
+    Ok(DialogOutcome { values: called, ..shown })
 }
 
 fn open(
     dialogs: &[Dialog],
     name: &str,
     ask: &mut Ask<'_>,
-    current: &mut dyn FnMut(&str) -> Option<Value>,
-    called: &mut Vec<(String, Value)>,
+    current: &mut dyn FnMut(&str) -> Option<DialogValue>,
+    called: &mut Vec<(String, DialogValue)>,
     left: &mut u32,
-) -> Result<Shown, Failure> {
+) -> Result<DialogOutcome, Failure> {
     let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
     let mut problem: Option<String> = None;
     // Values that were entered before another dialog was called.
-    let mut entered = Answer::default();
+    let mut entered = DialogAnswer::default();
     loop {
         if *left == 0 {
             let why = problem.unwrap_or_else(|| format!("dialog '{name}': no button ended it in {MOST} answers"));
@@ -120,7 +120,7 @@ fn open(
                 entered.values.extend(answer.values);
                 problem = None;
             }
-            Some(ButtonKind::Reset) => (entered, problem) = (Answer::default(), None),
+            Some(ButtonKind::Reset) => (entered, problem) = (DialogAnswer::default(), None),
             _ => match evaluate(dialog, &answer, &mut now) {
                 Ok(shown) => return Ok(shown),
                 Err(why) => problem = Some(why),
@@ -131,14 +131,20 @@ fn open(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Button, Field, FieldKind};
+    use super::super::{Button, DialogField, FieldKind};
     use super::*;
 
     fn dialog(name: &str, variable: &str, buttons: &[(&str, ButtonKind)]) -> Dialog {
         let kind = FieldKind::Number { min: 1.0, max: 9.0, whole: true };
-        let default = Some(Value::Number(3.0));
-        let field =
-            Field { label: variable.into(), variable: variable.into(), kind, default, required: true, enabled: None };
+        let default = Some(DialogValue::Number(3.0));
+        let field = DialogField {
+            label: variable.into(),
+            variable: variable.into(),
+            kind,
+            default,
+            required: true,
+            enabled: None,
+        };
         let button = |(label, kind): &(&str, ButtonKind)| Button { label: (*label).into(), kind: kind.clone() };
         let buttons = buttons.iter().map(button).collect();
         Dialog { name: name.into(), title: name.into(), fields: vec![field], buttons }
@@ -155,23 +161,23 @@ mod tests {
     type Said<'a> = (Option<&'a str>, &'a [(&'a str, f64)]);
 
     /// Gives answers in turn; returns the result, and the text shown for each answer.
-    fn talk(answers: &[Said<'_>]) -> (Result<Shown, Failure>, Vec<String>) {
+    fn talk(answers: &[Said<'_>]) -> (Result<DialogOutcome, Failure>, Vec<String>) {
         let mut turn = answers.iter();
         let mut seen = Vec::new();
-        let mut ask = |dialog: &Dialog, values: &[(String, Value)], problem: Option<&str>| {
+        let mut ask = |dialog: &Dialog, values: &[(String, DialogValue)], problem: Option<&str>| {
             let values: Vec<String> = values.iter().map(|(name, value)| format!("{name}={value}")).collect();
             seen.push(format!("{} {} {}", dialog.name, values.join(","), problem.unwrap_or("-")));
             let (button, values) = turn.next().ok_or(Silence::Declined)?;
-            let value = |(name, value): &(&str, f64)| ((*name).to_owned(), Value::Number(*value));
+            let value = |(name, value): &(&str, f64)| ((*name).to_owned(), DialogValue::Number(*value));
             let values = values.iter().map(value).collect();
-            Ok(Answer { dialog: dialog.name.clone(), button: button.map(str::to_owned), values })
+            Ok(DialogAnswer { dialog: dialog.name.clone(), button: button.map(str::to_owned), values })
         };
         let shown = converse(&dialogs(), "outer", &mut ask, &mut |_| None);
         (shown, seen)
     }
 
-    fn number(name: &str, value: f64) -> (String, Value) {
-        (name.to_owned(), Value::Number(value))
+    fn number(name: &str, value: f64) -> (String, DialogValue) {
+        (name.to_owned(), DialogValue::Number(value))
     }
 
     #[test]

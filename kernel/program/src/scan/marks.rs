@@ -2,9 +2,9 @@
 //!
 //! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message has no effect.
 
-use super::{Scanner, find};
+use super::{LineScanner, find};
 use crate::block::Block;
-use crate::key_words::{Names, key_word};
+use crate::key_words::{StatementVocabulary, key_word};
 use crate::syntax::Syntax;
 use counterpoint_machine::Machine;
 
@@ -18,7 +18,7 @@ pub(super) struct Formula {
 
 impl Formula {
     /// Takes the next character.
-    pub(super) fn read(&mut self, names: Names<'_>, line: &[u8], at: usize) {
+    pub(super) fn read(&mut self, names: StatementVocabulary<'_>, line: &[u8], at: usize) {
         match line.get(at) {
             Some(b'[') => self.depth += 1,
             Some(b']') => self.depth = self.depth.saturating_sub(1),
@@ -55,7 +55,7 @@ pub(super) fn name_end(line: &[u8], at: usize) -> usize {
     line.len()
 }
 
-impl Scanner {
+impl LineScanner {
     /// For text that no optional skip applies to: its mark is a character like any other.
     pub fn without_marks(machine: &Machine, syntax: &'static Syntax) -> Self {
         Self { opskip: None, ..Self::new(machine, syntax, &[]) }

@@ -3,8 +3,8 @@
 //! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
 
 use crate::block::irregular;
-use crate::key_words::Number;
-use counterpoint_machine::rows::{Excess, NumberFormat, Point, Zeros};
+use crate::key_words::WrittenNumber;
+use counterpoint_machine::rows::{DecimalPointRule, Excess, NumberFormat, ZeroRule};
 
 /// All whole numbers below are exact in `f64`.
 const EXACT: f64 = 9_007_199_254_740_992.0;
@@ -71,7 +71,7 @@ fn four_digits(number: i64, text: &[u8]) -> (i64, &[u8]) {
 
 /// The characters of a number: `[+-]digits[.digits]`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Digits<'a> {
+pub(super) struct NumberDigits<'a> {
     /// All of them after the sign.
     text: &'a [u8],
     negative: bool,
@@ -86,7 +86,7 @@ pub(super) struct Digits<'a> {
 
 /// The digits that begin at `at`, and where they end.
 #[inline(always)]
-pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)> {
+pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(NumberDigits<'_>, usize)> {
     let rest = line.get(at..)?;
     let (negative, text) = match rest {
         [b'-', text @ ..] => (true, text),
@@ -109,13 +109,13 @@ pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)
         return None;
     }
     let end = at + (rest.len() - text.len()) + length;
-    Some((Digits { text: text.get(..length)?, negative, point, whole, fraction, mantissa }, end))
+    Some((NumberDigits { text: text.get(..length)?, negative, point, whole, fraction, mantissa }, end))
 }
 
-impl Digits<'_> {
+impl NumberDigits<'_> {
     /// The number; its value is the one closest to the digits.
     #[inline(always)]
-    pub(super) fn number(self) -> Number {
+    pub(super) fn number(self) -> WrittenNumber {
         let magnitude = match POW10.get(self.fraction) {
             // Both sides are exact, so the quotient is correctly rounded.
             Some(power) if self.whole + self.fraction <= EXACT_DIGITS => self.mantissa as f64 / power,
@@ -124,12 +124,12 @@ impl Digits<'_> {
         };
         let value = if self.negative { -magnitude } else { magnitude };
         let (digits, fraction) = (self.whole.min(255) as u8, self.fraction.min(255) as u8);
-        Number { value, point: self.point, digits, fraction }
+        WrittenNumber { value, point: self.point, digits, fraction }
     }
 }
 
 /// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
-pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(WrittenNumber, usize)> {
     parse_digits(line, at).map(|(digits, end)| (digits.number(), end))
 }
 
@@ -159,7 +159,7 @@ impl Read {
     /// written point.
     pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
         let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
-        let implied = format.point == Point::Omit;
+        let implied = format.point == DecimalPointRule::Omit;
         let room = power(format.whole);
         let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
         let places = if format.excess == Excess::Kept { usize::MAX } else { usize::from(format.frac) };
@@ -174,7 +174,7 @@ impl Read {
 
     /// Value of a number, and its irregularities, bit by bit.
     #[inline(always)]
-    pub(super) fn value(&self, number: Number) -> (f64, u8) {
+    pub(super) fn value(&self, number: WrittenNumber) -> (f64, u8) {
         let value = if usize::from(number.fraction) > self.places {
             without_excess(number, &self.format)
         } else if number.point || !self.implied {
@@ -187,7 +187,7 @@ impl Read {
 
     /// The same for digits.
     #[inline(always)]
-    pub(super) fn value_of_digits(&self, digits: Digits<'_>) -> (f64, u8) {
+    pub(super) fn value_of_digits(&self, digits: NumberDigits<'_>) -> (f64, u8) {
         if digits.fraction > self.places && digits.whole + digits.fraction <= EXACT_DIGITS {
             self.value_without_excess(digits)
         } else {
@@ -198,7 +198,7 @@ impl Read {
     /// Value of at most [`EXACT_DIGITS`] digits, more of which stand after the point than the register has. They are
     /// cut as a whole number, so that no binary fraction stands just below or above a whole or half unit.
     #[inline(always)]
-    fn value_without_excess(&self, digits: Digits<'_>) -> (f64, u8) {
+    fn value_without_excess(&self, digits: NumberDigits<'_>) -> (f64, u8) {
         let step = STEPS.get(digits.fraction - self.places).copied().unwrap_or(1);
         let cut = digits.mantissa / step;
         let units = cut + i64::from(self.rounds && (digits.mantissa - cut * step) * 2 >= step);
@@ -220,7 +220,7 @@ impl Read {
 
 /// Value of a number with more digits after the point than its register has.
 #[cold]
-fn without_excess(number: Number, format: &NumberFormat) -> f64 {
+fn without_excess(number: WrittenNumber, format: &NumberFormat) -> f64 {
     let Some(power) = POW10.get(usize::from(format.frac)) else { return number.value };
     let units = number.value.abs() * power;
     if units >= EXACT {
@@ -238,11 +238,11 @@ fn without_excess(number: Number, format: &NumberFormat) -> f64 {
 }
 
 /// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
-fn implied(number: Number, format: &NumberFormat) -> f64 {
+fn implied(number: WrittenNumber, format: &NumberFormat) -> f64 {
     let power = |n: u8| POW10.get(usize::from(n)).copied().unwrap_or(1.0);
-    if format.point != Point::Omit || format.frac == 0 {
+    if format.point != DecimalPointRule::Omit || format.frac == 0 {
         number.value
-    } else if format.trail == Zeros::Omit && format.lead != Zeros::Omit {
+    } else if format.trail == ZeroRule::Omit && format.lead != ZeroRule::Omit {
         // Left-justified into the whole digits.
         if number.digits <= format.whole {
             number.value * power(format.whole - number.digits)
@@ -295,17 +295,20 @@ mod tests {
         let format = |lead, trail| NumberFormat {
             whole: 4,
             frac: 3,
-            point: Point::Omit,
+            point: DecimalPointRule::Omit,
             lead,
             trail,
             plus: false,
             excess: Excess::Kept,
         };
         let number = |text: &str| parse_number(text.as_bytes(), 0).unwrap().0;
-        assert_eq!(implied(number("12500"), &format(Zeros::Omit, Zeros::Keep)), 12.5);
-        assert_eq!(implied(number("00125"), &format(Zeros::Keep, Zeros::Omit)), 12.5);
+        assert_eq!(implied(number("12500"), &format(ZeroRule::Omit, ZeroRule::Keep)), 12.5);
+        assert_eq!(implied(number("00125"), &format(ZeroRule::Keep, ZeroRule::Omit)), 12.5);
         assert_eq!(
-            implied(number("125"), &NumberFormat { point: Point::Keep, ..format(Zeros::Omit, Zeros::Omit) }),
+            implied(
+                number("125"),
+                &NumberFormat { point: DecimalPointRule::Keep, ..format(ZeroRule::Omit, ZeroRule::Omit) }
+            ),
             125.0
         );
     }
@@ -313,8 +316,9 @@ mod tests {
     #[test]
     fn digits_beyond_the_register_are_kept_cut_or_rounded() {
         let value = |text: &str, excess| {
-            let (lead, trail) = (Zeros::Omit, Zeros::Omit);
-            let format = NumberFormat { whole: 5, frac: 3, point: Point::Keep, lead, trail, plus: false, excess };
+            let (lead, trail) = (ZeroRule::Omit, ZeroRule::Omit);
+            let format =
+                NumberFormat { whole: 5, frac: 3, point: DecimalPointRule::Keep, lead, trail, plus: false, excess };
             let read = Read::new(format, (0, 0));
             let (value, irregular) = read.value_of_digits(parse_digits(text.as_bytes(), 0).unwrap().0);
             assert_eq!((value, irregular), read.value(parse_number(text.as_bytes(), 0).unwrap().0), "{text}");
@@ -346,9 +350,9 @@ mod tests {
         let format = |excess| NumberFormat {
             whole: 5,
             frac: 3,
-            point: Point::Keep,
-            lead: Zeros::Omit,
-            trail: Zeros::Omit,
+            point: DecimalPointRule::Keep,
+            lead: ZeroRule::Omit,
+            trail: ZeroRule::Omit,
             plus: false,
             excess,
         };

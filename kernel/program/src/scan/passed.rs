@@ -3,11 +3,11 @@
 //! Facts: reference control-emulator.md 5.5 (block delete), 5.6 (comments). Invariant: a mark inside a comment or
 //! message has no effect.
 
-use super::{Scanner, find, marks};
+use super::{LineScanner, find, marks};
 use crate::block::{Block, irregular};
 use crate::spot::{self, Remark};
 
-impl Scanner {
+impl LineScanner {
     /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
     /// brackets and in statements a skip character after the first word is a division.
     pub fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {

@@ -1,14 +1,19 @@
 //! Small jobs whose times are worked out by hand.
 
 use super::*;
-use crate::sync_points::Arrival;
+use crate::sync_points::ChannelArrival;
 
 const S: i64 = 1_000_000_000;
 
 /// A sync point: mark, primitive, when all continued and by whose doing, arrivals.
 fn point(key: &str, kind: Primitive, (release, by): (i64, u16), arrivals: &[(u16, i64)]) -> SyncPoint {
-    let arrival =
-        |&(channel, t): &(u16, i64)| Arrival { channel, t_ns: t * S, file: "p.nc".into(), line: 1, block: key.into() };
+    let arrival = |&(channel, t): &(u16, i64)| ChannelArrival {
+        channel,
+        t_ns: t * S,
+        file: "p.nc".into(),
+        line: 1,
+        block: key.into(),
+    };
     let arrivals = arrivals.iter().map(arrival).collect();
     SyncPoint { key: key.into(), kind, release_ns: Some(release * S), by, acts: false, arrivals }
 }

@@ -4,7 +4,7 @@
 //! left out at its end while they say nothing.
 
 use counterpoint_event::event::Kind;
-use counterpoint_event::event::fields::{Field, Fields, Presence, Record, Value};
+use counterpoint_event::event::fields::{EventField, EventRecord, EventValue, FieldWriter, Presence};
 
 /// Number on the wire of the first kind; it has number 0 here.
 const FIRST: u8 = 10;
@@ -37,54 +37,54 @@ impl Bytes<'_> {
     }
 }
 
-impl Fields for Bytes<'_> {
+impl FieldWriter for Bytes<'_> {
     // The type of a field is known where it is put, so only one arm of this remains.
     #[inline(always)]
-    fn put(&mut self, field: Field, value: Value<'_>) {
+    fn put(&mut self, field: EventField, value: EventValue<'_>) {
         if field.digest == Presence::Never {
             return;
         }
         let out = &mut *self.out;
         match value {
-            Value::Bool(flag) => out.push(u8::from(flag)),
-            Value::U8(number) | Value::Named(number, _) => out.push(number),
-            Value::U16(number) | Value::File(number, _) => out.extend_from_slice(&number.to_le_bytes()),
-            Value::U32(number) => out.extend_from_slice(&number.to_le_bytes()),
-            Value::U64(number) => out.extend_from_slice(&number.to_le_bytes()),
-            Value::I64(number) => out.extend_from_slice(&number.to_le_bytes()),
-            Value::Float(number) => float(out, number),
-            Value::Known(number) => {
+            EventValue::Bool(flag) => out.push(u8::from(flag)),
+            EventValue::U8(number) | EventValue::Named(number, _) => out.push(number),
+            EventValue::U16(number) | EventValue::File(number, _) => out.extend_from_slice(&number.to_le_bytes()),
+            EventValue::U32(number) => out.extend_from_slice(&number.to_le_bytes()),
+            EventValue::U64(number) => out.extend_from_slice(&number.to_le_bytes()),
+            EventValue::I64(number) => out.extend_from_slice(&number.to_le_bytes()),
+            EventValue::Float(number) => float(out, number),
+            EventValue::Known(number) => {
                 out.push(u8::from(number.is_some()));
                 number.into_iter().for_each(|number| float(out, number));
             }
-            Value::Text(text) => {
+            EventValue::Text(text) => {
                 length(out, text.len());
                 out.extend_from_slice(text.as_bytes());
             }
-            Value::Letter(letter) => out.extend_from_slice(&u32::from(letter).to_le_bytes()),
-            Value::Word(number, _) => out.push(number.wrapping_sub(1)),
-            Value::Channels(channels) => {
+            EventValue::Letter(letter) => out.extend_from_slice(&u32::from(letter).to_le_bytes()),
+            EventValue::Word(number, _) => out.push(number.wrapping_sub(1)),
+            EventValue::Channels(channels) => {
                 length(out, channels.len());
                 channels.iter().for_each(|channel| out.extend_from_slice(&channel.to_le_bytes()));
             }
-            Value::Position(position) => position.iter().for_each(|&number| float(out, number)),
-            Value::Pair(pair) => pair.iter().for_each(|&number| float(out, number)),
-            Value::Axes(axes) => out.extend_from_slice(axes),
+            EventValue::Position(position) => position.iter().for_each(|&number| float(out, number)),
+            EventValue::Pair(pair) => pair.iter().for_each(|&number| float(out, number)),
+            EventValue::Axes(axes) => out.extend_from_slice(axes),
             // Motions have a form of their own.
-            Value::Center => {}
+            EventValue::Center => {}
         }
         if field.digest == Presence::Always || !value.is_blank() {
             self.counts();
         }
     }
 
-    fn message<R: Record>(&mut self, field: Field, record: Option<&R>) {
+    fn message<R: EventRecord>(&mut self, field: EventField, record: Option<&R>) {
         let Some(record) = record.filter(|_| field.digest != Presence::Never) else { return };
         record.fields(self);
         self.counts();
     }
 
-    fn messages<R: Record>(&mut self, field: Field, records: &[R]) {
+    fn messages<R: EventRecord>(&mut self, field: EventField, records: &[R]) {
         if field.digest != Presence::Never {
             length(self.out, records.len());
             self.counts();

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::*;
 use counterpoint_event::SourcePlace;
 use counterpoint_event::event::{
-    Block, Call, Coolant, Diagnostic, Direction, Dwell, Frame, Function, Member, Message, Origin, Outlet, Phase,
-    Primitive, Release, Return, Spindle, Stop, ToolAction, ToolChange, ToolData, Verdict, VerdictKind, Wait,
+    BlockEvent, Coolant, Diagnostic, DiagnosticOrigin, Dwell, FrameShift, OperatorMessage, Outlet, Phase, Primitive,
+    Release, Return, SpindleChange, SpindleDirection, StopCode, SubprogramEntry, TimedFunction, ToolAction, ToolChange,
+    ToolData, Verdict, VerdictKind, VerdictMember, WaitArrival,
 };
 
 fn event(kind: Kind) -> Event {
@@ -56,20 +57,25 @@ fn words(events: &[Event]) -> Vec<u64> {
 
 #[test]
 fn the_form_is_fixed() {
-    let block = event(Kind::Block(Block { number: 258, unit_named: false }));
+    let block = event(Kind::Block(BlockEvent { number: 258, unit_named: false }));
     // Kind 1, no flags; then time, duration, microstep, file, line, number.
     assert_eq!(words(std::slice::from_ref(&block)), [1, 7, 3, 1, 1, 40, 258]);
     // The next event follows in the same place (1 + 2 + 8 + 16) and takes no time (4).
-    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message(Message { text: "ab".into(), printed: false })) };
+    let message =
+        Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message(OperatorMessage { text: "ab".into(), printed: false })) };
     let both = form(&[block.clone(), message]);
     assert_eq!(both.get(form(&[block]).len()..), Some(&[13, 31, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'][..]));
 }
 
 #[test]
 fn expected_blocks_are_counted() {
-    let block =
-        |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block(Block { number, unit_named: false })) };
-    let first = event(Kind::Block(Block { number: 1, unit_named: false }));
+    let block = |number, line| Event {
+        t_ns: 10,
+        dur_ns: 0,
+        line,
+        ..event(Kind::Block(BlockEvent { number, unit_named: false }))
+    };
+    let first = event(Kind::Block(BlockEvent { number: 1, unit_named: false }));
     let dwell = Event { t_ns: 10, dur_ns: 0, line: 42, ..event(Kind::Dwell(Dwell)) };
     let counted = words(&[first.clone(), block(2, 41), block(3, 42), dwell]);
     assert_eq!(counted[7..], [3 | 31 << 8 | 2 << 32]);
@@ -99,17 +105,17 @@ fn minus_zero_counts_as_zero() {
 
 #[test]
 fn every_field_counts() {
-    let spindle = Spindle {
+    let spindle = SpindleChange {
         spindle: 1,
-        direction: Direction::Clockwise,
+        direction: SpindleDirection::Clockwise,
         css: false,
         speed: 900.0,
         limit: f64::INFINITY,
         angle: 0.0,
     };
-    let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
+    let member = VerdictMember { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
-    let wait = Wait {
+    let wait = WaitArrival {
         key: "M101".into(),
         primitive: Primitive::Barrier,
         participants: [1, 2].into(),
@@ -152,29 +158,29 @@ fn every_field_counts() {
         Kind::ToolData(Box::new(ToolData { tool: 1, diameter: Some(0.0), ..ToolData::default() })),
         Kind::ToolData(Box::new(ToolData { tool: 1, place: 1, ..ToolData::default() })),
         Kind::Spindle(spindle),
-        Kind::Spindle(Spindle { spindle: 2, ..spindle }),
-        Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),
-        Kind::Spindle(Spindle { css: true, ..spindle }),
-        Kind::Spindle(Spindle { speed: 901.0, ..spindle }),
-        Kind::Spindle(Spindle { limit: 2000.0, ..spindle }),
+        Kind::Spindle(SpindleChange { spindle: 2, ..spindle }),
+        Kind::Spindle(SpindleChange { direction: SpindleDirection::Off, ..spindle }),
+        Kind::Spindle(SpindleChange { css: true, ..spindle }),
+        Kind::Spindle(SpindleChange { speed: 901.0, ..spindle }),
+        Kind::Spindle(SpindleChange { limit: 2000.0, ..spindle }),
         Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
         Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
         Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
-        Kind::Function(Function { letter: 'M', value: 8.0 }),
-        Kind::Function(Function { letter: 'N', value: 8.0 }),
-        Kind::Function(Function { letter: 'M', value: 9.0 }),
+        Kind::Function(TimedFunction { letter: 'M', value: 8.0 }),
+        Kind::Function(TimedFunction { letter: 'N', value: 8.0 }),
+        Kind::Function(TimedFunction { letter: 'M', value: 9.0 }),
         Kind::mode("plane zx"),
-        Kind::Frame(Frame { shift: Box::new([0.0; MAX_AXES]) }),
-        Kind::Frame(Frame { shift: Box::new([1.0; MAX_AXES]) }),
-        Kind::Stop(Stop::End),
-        Kind::Stop(Stop::Rewind),
-        Kind::Call(Call { program: "O1".into(), level: 1 }),
-        Kind::Call(Call { program: "O1".into(), level: 2 }),
+        Kind::Frame(FrameShift { shift: Box::new([0.0; MAX_AXES]) }),
+        Kind::Frame(FrameShift { shift: Box::new([1.0; MAX_AXES]) }),
+        Kind::Stop(StopCode::End),
+        Kind::Stop(StopCode::Rewind),
+        Kind::Call(SubprogramEntry { program: "O1".into(), level: 1 }),
+        Kind::Call(SubprogramEntry { program: "O1".into(), level: 2 }),
         Kind::Return(Return { level: 1 }),
-        Kind::Message(Message { text: "plane zx".into(), printed: false }),
+        Kind::Message(OperatorMessage { text: "plane zx".into(), printed: false }),
         Kind::Wait(Arc::new(wait.clone())),
-        Kind::Wait(Arc::new(Wait { participants: [1, 3].into(), ..wait.clone() })),
-        Kind::Wait(Arc::new(Wait { primitive: Primitive::Join, ..wait })),
+        Kind::Wait(Arc::new(WaitArrival { participants: [1, 3].into(), ..wait.clone() })),
+        Kind::Wait(Arc::new(WaitArrival { primitive: Primitive::Join, ..wait })),
         Kind::Release(release.clone()),
         Kind::Release(Release { since_ns: 6, ..release.clone() }),
         Kind::Release(Release { meeting: 2, ..release }),
@@ -182,12 +188,12 @@ fn every_field_counts() {
         Kind::Diagnostic(Box::new(Diagnostic { severity: 8, ..said.clone() })),
         Kind::Diagnostic(Box::new(Diagnostic { origin: Some(Box::default()), ..said.clone() })),
         Kind::Diagnostic(Box::new(Diagnostic {
-            origin: Some(Box::new(Origin { line: 1, ..Origin::default() })),
+            origin: Some(Box::new(DiagnosticOrigin { line: 1, ..DiagnosticOrigin::default() })),
             ..said
         })),
         Kind::Verdict(Box::new(verdict.clone())),
         Kind::Verdict(Box::new(Verdict { members: vec![], ..verdict.clone() })),
-        Kind::Verdict(Box::new(Verdict { members: vec![Member { waiting_for: vec![3], ..member }], ..verdict })),
+        Kind::Verdict(Box::new(Verdict { members: vec![VerdictMember { waiting_for: vec![3], ..member }], ..verdict })),
     ]);
     let mut events: Vec<Event> = kinds.into_iter().map(event).collect();
     let base = event(Kind::Dwell(Dwell));

@@ -3,8 +3,8 @@
 use super::write_event;
 use crate::testing::*;
 use counterpoint_event::event::{
-    Diagnostic, Direction, Frame, Function, Kind, Member, Message, Motion, MotionKind, Origin, Spindle, ToolData,
-    Verdict, VerdictKind,
+    Diagnostic, DiagnosticOrigin, FrameShift, Kind, Motion, MotionKind, OperatorMessage, SpindleChange,
+    SpindleDirection, TimedFunction, ToolData, Verdict, VerdictKind, VerdictMember,
 };
 
 fn line(event: &counterpoint_event::event::Event) -> String {
@@ -48,11 +48,11 @@ fn a_circle_in_space_tells_its_centre_and_its_middle() {
 
 #[test]
 fn odd_texts_and_numbers_stay_valid() {
-    let text = line(&at(1, 1, 0, 0, Kind::Message(Message { text: "a\"b\\c\n\u{1}ä".into(), printed: false })));
+    let text = line(&at(1, 1, 0, 0, Kind::Message(OperatorMessage { text: "a\"b\\c\n\u{1}ä".into(), printed: false })));
     assert!(text.ends_with(r#""text":"a\"b\\c\n\u0001ä"}"#), "{text}");
-    let spindle = Spindle {
+    let spindle = SpindleChange {
         spindle: 1,
-        direction: Direction::Clockwise,
+        direction: SpindleDirection::Clockwise,
         css: true,
         speed: f64::NAN,
         limit: f64::INFINITY,
@@ -60,9 +60,9 @@ fn odd_texts_and_numbers_stay_valid() {
     };
     let text = line(&at(1, 1, 0, 0, Kind::Spindle(spindle)));
     assert!(text.ends_with(r#""direction":"clockwise","css":true,"speed":null,"limit":null}"#), "{text}");
-    let text = line(&at(1, 1, 0, 0, Kind::Function(Function { letter: '"', value: 1e300 })));
+    let text = line(&at(1, 1, 0, 0, Kind::Function(TimedFunction { letter: '"', value: 1e300 })));
     assert!(text.contains(r#""letter":"\"","value":1e300"#) || text.contains("1e+300"), "{text}");
-    line(&at(99, 3, 0, 0, Kind::Frame(Frame { shift: Box::new([1.0; 8]) })));
+    line(&at(99, 3, 0, 0, Kind::Frame(FrameShift { shift: Box::new([1.0; 8]) })));
 }
 
 #[test]
@@ -74,8 +74,8 @@ fn waits_and_verdicts() {
     let text = line(&release(2, 1, 4, 9, "M101", 3));
     assert!(text.ends_with(r#""key":"M101","primitive":"BARRIER","since_ns":4,"meeting":3}"#));
     let members = vec![
-        Member { channel: 1, file: 0, line: 1, waiting_for: vec![2] },
-        Member { channel: 2, file: 0, line: 0, waiting_for: vec![] },
+        VerdictMember { channel: 1, file: 0, line: 1, waiting_for: vec![2] },
+        VerdictMember { channel: 2, file: 0, line: 0, waiting_for: vec![] },
     ];
     let verdict = Verdict { kind: VerdictKind::PartnerNeverStarted, at_ns: 9, text: "no program".into(), members };
     let text = line(&at(0, 0, 9, 0, Kind::Verdict(Box::new(verdict))));
@@ -93,7 +93,7 @@ fn what_is_not_known_of_a_tool_and_no_macro_leave_their_fields_out() {
         ),
         "{text}"
     );
-    let origin = Origin { name: "Fence".into(), file: "m/f.mac".into(), line: 2, statement: "A=1/0".into() };
+    let origin = DiagnosticOrigin { name: "Fence".into(), file: "m/f.mac".into(), line: 2, statement: "A=1/0".into() };
     let known = Diagnostic { number: 2_019_001, severity: 8, text: "t".into(), ..Diagnostic::default() };
     let text = line(&at(1, 1, 0, 0, Kind::Diagnostic(Box::new(known))));
     assert!(text.ends_with(r#""number":2019001,"severity":8,"text":"t","name":"no-feed"}"#), "{text}");

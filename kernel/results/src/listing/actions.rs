@@ -6,20 +6,20 @@
 use counterpoint_lang::format::wildcard_text;
 
 use crate::geometry::Loop;
-use counterpoint_event::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle};
-use counterpoint_event::info::Axis;
+use counterpoint_event::event::{Event, FeedUnit, Kind, Motion, MotionKind, SpindleChange, SpindleDirection};
+use counterpoint_event::info::JobAxis;
 
 /// The last written value.
 #[derive(Debug, Default)]
-pub(super) struct Actions {
+pub(super) struct ActionFormatter {
     rate: Option<(FeedUnit, u64, bool)>,
     /// Spindles as they were, those that have not turned yet left out.
-    spindles: Vec<Spindle>,
+    spindles: Vec<SpindleChange>,
 }
 
-impl Actions {
+impl ActionFormatter {
     /// The actions of an event, in order.
-    pub(super) fn of(&mut self, axes: &[Axis], event: &Event) -> Vec<String> {
+    pub(super) fn of(&mut self, axes: &[JobAxis], event: &Event) -> Vec<String> {
         match &event.kind {
             Kind::Motion(motion) => self.motion(axes, motion),
             Kind::Dwell(_) => vec![format!("dwell t={}", wildcard_text(event.dur_ns as f64 / 1e9))],
@@ -29,9 +29,15 @@ impl Actions {
     }
 
     /// Action of a spindle: its limit alone when nothing else is new, its speed when it is stopped before and after.
-    fn spindle(&mut self, now: &Spindle) -> String {
-        let stopped =
-            Spindle { direction: Direction::Off, css: false, speed: 0.0, limit: f64::INFINITY, angle: 0.0, ..*now };
+    fn spindle(&mut self, now: &SpindleChange) -> String {
+        let stopped = SpindleChange {
+            direction: SpindleDirection::Off,
+            css: false,
+            speed: 0.0,
+            limit: f64::INFINITY,
+            angle: 0.0,
+            ..*now
+        };
         let known = self.spindles.iter_mut().find(|known| known.spindle == now.spindle);
         let before = match known {
             Some(known) => std::mem::replace(known, *now),
@@ -40,24 +46,24 @@ impl Actions {
                 stopped
             }
         };
-        let same = |a: &Spindle, b: &Spindle| {
+        let same = |a: &SpindleChange, b: &SpindleChange| {
             a.direction == b.direction
-                && (a.direction == Direction::Off || (a.css, a.speed, a.angle) == (b.css, b.speed, b.angle))
+                && (a.direction == SpindleDirection::Off || (a.css, a.speed, a.angle) == (b.css, b.speed, b.angle))
         };
         if !now.css && now.limit.is_finite() && now.limit != before.limit && same(&before, now) {
             return numbered(now, (format!("spindle max={}", wildcard_text(now.limit)), true));
         }
-        let stopped = now.direction == Direction::Off && before.direction == Direction::Off;
+        let stopped = now.direction == SpindleDirection::Off && before.direction == SpindleDirection::Off;
         if stopped && (now.css, now.speed) != (before.css, before.speed) {
             return match now.css {
-                true => turning(&Spindle { direction: Direction::Clockwise, ..*now }),
+                true => turning(&SpindleChange { direction: SpindleDirection::Clockwise, ..*now }),
                 false => numbered(now, (format!("spindle rpm={}", wildcard_text(now.speed)), true)),
             };
         }
         turning(now)
     }
 
-    fn motion(&mut self, axes: &[Axis], motion: &Motion) -> Vec<String> {
+    fn motion(&mut self, axes: &[JobAxis], motion: &Motion) -> Vec<String> {
         let mut out = Vec::new();
         let thread = motion.kind == MotionKind::Thread;
         let rate = (motion.feed_unit, motion.feed.to_bits(), thread);
@@ -84,7 +90,7 @@ impl Actions {
             MotionKind::ArcSpace => "arc 3d",
         };
         let moves = |index: usize| motion.moving >> index & 1 != 0 || motion.from.get(index) != motion.to.get(index);
-        let place = |(index, axis): (usize, &Axis)| {
+        let place = |(index, axis): (usize, &JobAxis)| {
             moves(index).then(|| format!("{}={}", axis.name.to_lowercase(), value(motion.to.get(index))))
         };
         let mut items: Vec<String> = axes.iter().enumerate().filter_map(place).collect();
@@ -109,31 +115,31 @@ impl Actions {
 }
 
 /// State of a spindle.
-fn turning(spindle: &Spindle) -> String {
+fn turning(spindle: &SpindleChange) -> String {
     let number = wildcard_text;
     let text = match spindle.direction {
-        Direction::Off => "spindle off".to_owned(),
-        Direction::Oriented if spindle.angle == 0.0 => "spindle orient".to_owned(),
-        Direction::Oriented => format!("spindle orient a={}", number(spindle.angle)),
-        Direction::Locked => "spindle lock".to_owned(),
-        Direction::Neutral => "spindle neutral".to_owned(),
+        SpindleDirection::Off => "spindle off".to_owned(),
+        SpindleDirection::Oriented if spindle.angle == 0.0 => "spindle orient".to_owned(),
+        SpindleDirection::Oriented => format!("spindle orient a={}", number(spindle.angle)),
+        SpindleDirection::Locked => "spindle lock".to_owned(),
+        SpindleDirection::Neutral => "spindle neutral".to_owned(),
         _ if spindle.css && spindle.limit.is_finite() => {
             format!("css v={}, max={}", number(spindle.speed), number(spindle.limit))
         }
         _ if spindle.css => format!("css v={}", number(spindle.speed)),
-        Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
-        Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
+        SpindleDirection::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
+        SpindleDirection::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
     };
     let bare = match spindle.direction {
-        Direction::Off | Direction::Locked | Direction::Neutral => true,
-        Direction::Oriented => spindle.angle == 0.0,
-        Direction::Clockwise | Direction::CounterClockwise => false,
+        SpindleDirection::Off | SpindleDirection::Locked | SpindleDirection::Neutral => true,
+        SpindleDirection::Oriented => spindle.angle == 0.0,
+        SpindleDirection::Clockwise | SpindleDirection::CounterClockwise => false,
     };
     numbered(spindle, (text, !bare))
 }
 
 /// With the number of the spindle, unless it is the first one; after a value a comma separates it.
-fn numbered(spindle: &Spindle, (text, has_value): (String, bool)) -> String {
+fn numbered(spindle: &SpindleChange, (text, has_value): (String, bool)) -> String {
     match spindle.spindle {
         0 | 1 => text,
         other if has_value => format!("{text}, n={other}"),
@@ -145,7 +151,7 @@ fn value(value: Option<&f64>) -> String {
     value.map_or_else(String::new, |value| wildcard_text(*value))
 }
 
-fn center_letter(axis: &Axis) -> &'static str {
+fn center_letter(axis: &JobAxis) -> &'static str {
     match axis.name.as_bytes().first() {
         Some(b'X') => "i",
         Some(b'Y') => "j",

@@ -8,7 +8,7 @@ use std::io::{Result, Write};
 use rustc_hash::FxHashMap;
 
 use crate::summary::Summary;
-use counterpoint_event::event::{Event, Wait};
+use counterpoint_event::event::{Event, WaitArrival};
 use counterpoint_event::info::Info;
 
 /// `n! block`, the block exactly as read.
@@ -29,9 +29,9 @@ pub(super) fn clock(ns: i64) -> String {
 
 /// Releases of the waits to come, by channel, in order.
 #[derive(Debug)]
-pub(super) struct Waits(FxHashMap<u16, VecDeque<Option<i64>>>);
+pub(super) struct UpcomingReleases(FxHashMap<u16, VecDeque<Option<i64>>>);
 
-impl Waits {
+impl UpcomingReleases {
     pub(super) fn new(summary: &Summary) -> Self {
         let mut releases: FxHashMap<u16, VecDeque<Option<i64>>> = FxHashMap::default();
         for meeting in summary.waits.iter() {
@@ -43,7 +43,7 @@ impl Waits {
     }
 
     /// The line of a wait at its arrival.
-    pub(super) fn write(&mut self, event: &Event, wait: &Wait, out: &mut dyn Write) -> Result<()> {
+    pub(super) fn write(&mut self, event: &Event, wait: &WaitArrival, out: &mut dyn Write) -> Result<()> {
         let release = self.0.get_mut(&event.channel).and_then(VecDeque::pop_front).flatten();
         let mark = &wait.mark;
         match release {

@@ -7,7 +7,7 @@
 use std::io::{BufWriter, Result, Write};
 
 use super::{BUFFER, diagnostics};
-use counterpoint_event::event::{Diagnostic, Event, Kind, Message, Unrecognised};
+use counterpoint_event::event::{Diagnostic, Event, Kind, OperatorMessage, Unrecognised};
 use counterpoint_event::info::Info;
 
 /// Writes the console lines of one channel and the master, of all channels for 0.
@@ -23,7 +23,7 @@ pub fn render_console(
     let mut out = BufWriter::with_capacity(BUFFER, out);
     for (_, event) in events.filter(|(_, event)| channel == 0 || [0, channel].contains(&event.channel)) {
         match &event.kind {
-            Kind::Message(Message { text, .. }) => writeln!(out, "Display : {text}")?,
+            Kind::Message(OperatorMessage { text, .. }) => writeln!(out, "Display : {text}")?,
             Kind::Diagnostic(diagnostic) => writeln!(out, "{}", line(info, &event, diagnostic))?,
             _ => {}
         }

@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::io::{Result, Write};
 
-use counterpoint_event::event::{Diagnostic, Event, Origin};
+use counterpoint_event::event::{Diagnostic, DiagnosticOrigin, Event};
 use counterpoint_event::info::Info;
 
 /// Characters of a line before the text wraps.
@@ -45,7 +45,7 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
 }
 
 /// The statement of a macro that raised it, or the block of a resident program.
-pub(super) fn origin<'d>(info: &Info, event: &Event, diagnostic: &'d Diagnostic) -> Option<Cow<'d, Origin>> {
+pub(super) fn origin<'d>(info: &Info, event: &Event, diagnostic: &'d Diagnostic) -> Option<Cow<'d, DiagnosticOrigin>> {
     let program = || event.caller.is_some().then(|| Cow::Owned(info.origin(event.file, event.line)));
     diagnostic.origin.as_deref().map(Cow::Borrowed).or_else(program)
 }
@@ -83,9 +83,9 @@ fn rank(severity: u8) -> usize {
 
 /// Diagnostics by type.
 #[derive(Debug, Default)]
-pub(super) struct Counts([u64; 4]);
+pub(super) struct DiagnosticCounts([u64; 4]);
 
-impl Counts {
+impl DiagnosticCounts {
     pub(super) fn add(&mut self, severity: u8) {
         if let Some(count) = self.0.get_mut(rank(severity)) {
             *count += 1;

@@ -3,7 +3,8 @@
 use super::*;
 use crate::testing::*;
 use counterpoint_event::event::{
-    Block, Direction, Dwell, FeedUnit, Frame, Motion, MotionKind, Phase, Spindle, ToolAction, ToolChange,
+    BlockEvent, Dwell, FeedUnit, FrameShift, Motion, MotionKind, Phase, SpindleChange, SpindleDirection, ToolAction,
+    ToolChange,
 };
 
 const S: i64 = 1_000_000_000;
@@ -21,9 +22,9 @@ fn listing(info: &std::sync::Arc<Info>, channel: u16, events: &[Event]) -> Strin
 
 /// One tool turns a diameter, then stops for a while.
 fn turning() -> Vec<Event> {
-    let spindle = Spindle {
+    let spindle = SpindleChange {
         spindle: 1,
-        direction: Direction::Clockwise,
+        direction: SpindleDirection::Clockwise,
         css: false,
         speed: 950.0,
         limit: f64::INFINITY,
@@ -35,14 +36,14 @@ fn turning() -> Vec<Event> {
         ..motion(MotionKind::Linear, from, to)
     };
     vec![
-        at(1, 1, 0, 0, Kind::Block(Block { number: 1, unit_named: false })),
-        at(1, 1, 0, 0, Kind::Frame(Frame { shift: Box::new(position(&[1.5, -100.0])) })),
-        at(1, 2, 0, 0, Kind::Block(Block { number: 2, unit_named: false })),
+        at(1, 1, 0, 0, Kind::Block(BlockEvent { number: 1, unit_named: false })),
+        at(1, 1, 0, 0, Kind::Frame(FrameShift { shift: Box::new(position(&[1.5, -100.0])) })),
+        at(1, 2, 0, 0, Kind::Block(BlockEvent { number: 2, unit_named: false })),
         at(1, 2, 0, 4 * S, Kind::Tool(ToolChange { action: ToolAction::Load, tool: 3, offset: 3 })),
         at(1, 2, 4 * S, 0, Kind::Spindle(spindle)),
         at(1, 2, 4 * S, 12 * S, Kind::Motion(motion(MotionKind::Rapid, &[60.5, 250.0, 0.0], &[0.0, 0.0, 90.5]))),
         diagnostic(1, 2, 16 * S, 2_001_005, 4, "Q7 not recognised in 'N60 G1 X15. Q7'"),
-        at(1, 3, 16 * S, 0, Kind::Block(Block { number: 3, unit_named: false })),
+        at(1, 3, 16 * S, 0, Kind::Block(BlockEvent { number: 3, unit_named: false })),
         at(1, 3, 16 * S, 100 * S, Kind::Motion(cut(&[0.0, 0.0, 90.5], &[18.0, -20.0, 90.5], 0.15))),
         at(1, 3, 116 * S, 90 * S, Kind::Motion(cut(&[18.0, -20.0, 90.5], &[18.0, 0.0, 90.5], 0.3))),
         life(1, 206 * S, Phase::ProgramEnd),
@@ -123,17 +124,17 @@ TOTAL         1
 fn several_kernels_show_waits_idle_time_and_kernel_names() {
     let info = lathe(&["G4P1000\nM101\n", "M101 P12\nG4 P2000"]);
     let mut events = vec![
-        at(1, 1, 0, 0, Kind::Block(Block { number: 1, unit_named: false })),
+        at(1, 1, 0, 0, Kind::Block(BlockEvent { number: 1, unit_named: false })),
         at(1, 1, 0, 2 * S, Kind::Dwell(Dwell)),
-        at(2, 1, 0, 0, Kind::Block(Block { number: 1, unit_named: false })),
+        at(2, 1, 0, 0, Kind::Block(BlockEvent { number: 1, unit_named: false })),
         wait(2, 1, 0, "M101 P12", &[1, 2]),
-        at(1, 2, 2 * S, 0, Kind::Block(Block { number: 2, unit_named: false })),
+        at(1, 2, 2 * S, 0, Kind::Block(BlockEvent { number: 2, unit_named: false })),
         wait(1, 2, 2 * S, "M101 P12", &[1, 2]),
         release(1, 2, 2 * S, 2 * S, "M101 P12", 1),
         release(2, 1, 0, 2 * S, "M101 P12", 1),
         diagnostic(2, 1, 2 * S, 2_900_050, 12, "alarm"),
         diagnostic(0, 0, 2 * S, 2_900_071, 16, "deadlock"),
-        at(2, 2, 2 * S, 0, Kind::Block(Block { number: 2, unit_named: false })),
+        at(2, 2, 2 * S, 0, Kind::Block(BlockEvent { number: 2, unit_named: false })),
         wait(2, 2, 2 * S, "M102", &[1, 2]),
     ];
     let upper = listing(&info, 1, &events);
@@ -186,8 +187,14 @@ fn arcs_travel_to_their_extremes() {
 #[test]
 fn surface_speed_counts_by_the_mean_of_each_motion() {
     let mut events = turning();
-    let css =
-        Spindle { spindle: 1, direction: Direction::Clockwise, css: true, speed: 200.0, limit: 3000.0, angle: 0.0 };
+    let css = SpindleChange {
+        spindle: 1,
+        direction: SpindleDirection::Clockwise,
+        css: true,
+        speed: 200.0,
+        limit: 3000.0,
+        angle: 0.0,
+    };
     events[4] = at(1, 2, 4 * S, 0, Kind::Spindle(css));
     let listing = listing(&lathe(&["x"]), 1, &events);
     // 20 mm at 0.3 mm/rev in 90 s: 44.4 rev/min.

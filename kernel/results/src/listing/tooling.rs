@@ -8,17 +8,17 @@ use std::io::{Result, Write};
 use rustc_hash::FxHashMap;
 
 use super::time::clock;
-use crate::summary::Tool;
-use counterpoint_event::event::Work;
+use crate::summary::ToolSummary;
+use counterpoint_event::event::WorkClass;
 use counterpoint_event::event::{
-    Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, ToolAction, ToolChange,
+    Event, FeedUnit, Kind, Motion, MotionKind, SpindleChange, SpindleDirection, ToolAction, ToolChange,
 };
 
 /// Smallest and largest value seen.
 #[derive(Debug, Default)]
-struct Range(Option<(f64, f64)>);
+struct ValueRange(Option<(f64, f64)>);
 
-impl Range {
+impl ValueRange {
     fn add(&mut self, value: f64) {
         if value.is_finite() && value > 0.0 {
             let (low, high) = self.0.unwrap_or((value, value));
@@ -33,9 +33,9 @@ impl Range {
 }
 
 #[derive(Debug, Default)]
-struct Used {
-    feed: Range,
-    rpm: Range,
+struct ToolUsage {
+    feed: ValueRange,
+    rpm: ValueRange,
     feed_ns: i64,
     rapid_ns: i64,
     misc_ns: i64,
@@ -44,9 +44,9 @@ struct Used {
 /// Collects the tools of a channel.
 #[derive(Debug)]
 pub(super) struct Tooling {
-    tools: FxHashMap<u32, Used>,
+    tools: FxHashMap<u32, ToolUsage>,
     current: u32,
-    spindle: Option<Spindle>,
+    spindle: Option<SpindleChange>,
     end_ns: i64,
 }
 
@@ -62,7 +62,8 @@ impl Tooling {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
             Kind::Tool(ToolChange { tool, .. }) if *tool != 0 => self.current = *tool,
             Kind::Spindle(spindle) => {
-                let turns = matches!(spindle.direction, Direction::Clockwise | Direction::CounterClockwise);
+                let turns =
+                    matches!(spindle.direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise);
                 self.spindle = turns.then_some(*spindle);
             }
             _ => {}
@@ -90,7 +91,7 @@ impl Tooling {
         }
     }
 
-    fn tool(&mut self) -> Option<&mut Used> {
+    fn tool(&mut self) -> Option<&mut ToolUsage> {
         (self.current != 0).then(|| self.tools.entry(self.current).or_default())
     }
 
@@ -99,15 +100,15 @@ impl Tooling {
         let ns = event.dur_ns.min(self.end_ns.saturating_sub(event.t_ns)).max(0);
         let Some(tool) = self.tool() else { return };
         match work {
-            Work::Feed => tool.feed_ns += ns,
-            Work::Rapid => tool.rapid_ns += ns,
-            Work::Tool | Work::Dwell | Work::Misc => tool.misc_ns += ns,
-            Work::Wait => {}
+            WorkClass::Feed => tool.feed_ns += ns,
+            WorkClass::Rapid => tool.rapid_ns += ns,
+            WorkClass::Tool | WorkClass::Dwell | WorkClass::Misc => tool.misc_ns += ns,
+            WorkClass::Wait => {}
         }
     }
 
     /// Both tables, with the rows of the summary.
-    pub(super) fn write(&self, tools: &[Tool], out: &mut dyn Write) -> Result<()> {
+    pub(super) fn write(&self, tools: &[ToolSummary], out: &mut dyn Write) -> Result<()> {
         write!(out, "\nTOOLING SUMMARY:\n\n")?;
         writeln!(out, "     TOOL  NAME              DIAMETER    RADIUS  LENGTH-OFFSETS  DIAM-OFFSETS")?;
         for tool in tools {
@@ -119,8 +120,8 @@ impl Tooling {
         }
         writeln!(out)?;
         writeln!(out, "     TOOL   MIN-FEED   MAX-FEED  MIN-RPM  MAX-RPM      FEED     RAPID      MISC     TOTAL")?;
-        let unused = Used::default();
-        for Tool { tool: number, .. } in tools {
+        let unused = ToolUsage::default();
+        for ToolSummary { tool: number, .. } in tools {
             let tool = self.tools.get(number).unwrap_or(&unused);
             let ([low, high], [slow, fast]) = (tool.feed.texts(4), tool.rpm.texts(0));
             write!(out, "{number:>9}{low:>11}{high:>11}{slow:>9}{fast:>9}")?;

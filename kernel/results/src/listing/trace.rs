@@ -5,15 +5,15 @@
 
 use std::io::{Result, Write};
 
-use super::actions::Actions;
+use super::actions::ActionFormatter;
 use super::blocks;
-use counterpoint_event::event::{Dwell, Event, Kind, Listing, Message, Trace};
+use counterpoint_event::event::{Dwell, Event, Kind, Listing, OperatorMessage, Trace};
 use counterpoint_event::info::Info;
 
 /// Writes blocks and the data that the letters request.
 #[derive(Debug, Default)]
 pub(super) struct Tracer {
-    actions: Actions,
+    actions: ActionFormatter,
     /// A macro has switched the listing off: no blocks and no lines of the trace; diagnostics and summaries stay.
     off: bool,
     /// A line of the trace took the place of the action of the next event.
@@ -59,7 +59,7 @@ impl Tracer {
         match &event.kind {
             Kind::Trace(Trace { listing: Some(listing), .. }) => return self.control(listing, out),
             _ if self.off => return Ok(()),
-            Kind::Message(Message { text, printed: true }) => return writeln!(out, "{text}"),
+            Kind::Message(OperatorMessage { text, printed: true }) => return writeln!(out, "{text}"),
             _ if info.trace.is_empty() => return Ok(()),
             _ => {}
         }
@@ -69,7 +69,7 @@ impl Tracer {
                 self.instead = trace.instead;
                 writeln!(out, "{}", trace.text)
             }
-            Kind::Message(Message { text, .. }) if info.trace.has('S') => writeln!(out, "Display : {text}"),
+            Kind::Message(OperatorMessage { text, .. }) if info.trace.has('S') => writeln!(out, "Display : {text}"),
             _ if info.trace.has('A') => {
                 let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);
                 self.actions.of(axes, event).iter().try_for_each(|action| writeln!(out, "      | {action}"))

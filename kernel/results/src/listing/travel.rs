@@ -5,9 +5,9 @@
 
 use std::io::{Result, Write};
 
-use crate::geometry::Round;
+use crate::geometry::ArcGeometry;
 use counterpoint_event::event::{MAX_AXES, Motion, MotionKind, Position};
-use counterpoint_event::info::Axis;
+use counterpoint_event::info::JobAxis;
 
 #[derive(Debug, Clone, Copy)]
 struct Extent {
@@ -32,15 +32,15 @@ impl Extent {
 
 /// Collects the travel of a channel.
 #[derive(Debug)]
-pub(super) struct Travel<'a> {
-    axes: &'a [Axis],
+pub(super) struct TravelTables<'a> {
+    axes: &'a [JobAxis],
     shift: Position,
     feed: [Extent; MAX_AXES],
     rapid: [Extent; MAX_AXES],
 }
 
-impl<'a> Travel<'a> {
-    pub(super) fn new(axes: &'a [Axis]) -> Self {
+impl<'a> TravelTables<'a> {
+    pub(super) fn new(axes: &'a [JobAxis]) -> Self {
         Self { axes, shift: [0.0; MAX_AXES], feed: [Extent::NONE; MAX_AXES], rapid: [Extent::NONE; MAX_AXES] }
     }
 
@@ -50,7 +50,7 @@ impl<'a> Travel<'a> {
 
     pub(super) fn motion(&mut self, motion: &Motion) {
         let table = if motion.kind == MotionKind::Rapid { &mut self.rapid } else { &mut self.feed };
-        let round = Round::of(motion, self.axes);
+        let round = ArcGeometry::of(motion, self.axes);
         let ends = motion.from.iter().zip(&motion.to).zip(&self.shift);
         for (index, (extent, ((from, to), shift))) in table.iter_mut().zip(ends).enumerate().take(self.axes.len()) {
             extent.add(from + shift, 0.0);

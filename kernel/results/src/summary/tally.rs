@@ -4,12 +4,12 @@
 
 use super::ChannelState;
 use crate::tools::ToolTimes;
-use counterpoint_event::event::Work;
+use counterpoint_event::event::WorkClass;
 use counterpoint_event::event::{Event, Phase};
 
 /// Times of one channel while the log goes by.
 #[derive(Debug, Default)]
-pub struct Tally {
+pub struct TimeTally {
     end: Option<(ChannelState, i64)>,
     /// Its program has begun.
     begun: bool,
@@ -26,10 +26,10 @@ pub struct Tally {
     /// Time spent waiting, ns.
     pub wait_ns: i64,
     /// Class and end of the last event that took time: the only one that a stop can cut.
-    last: Option<(Work, i64)>,
+    last: Option<(WorkClass, i64)>,
 }
 
-impl Tally {
+impl TimeTally {
     /// The times so far, as those of a tool start and end with them.
     pub fn times(&self) -> ToolTimes {
         let Self { feed_ns, rapid_ns, misc_ns, wait_ns, .. } = *self;
@@ -49,19 +49,19 @@ impl Tally {
     }
 
     /// Adds time to its kind of work.
-    pub fn add(&mut self, work: Work, ns: i64) {
+    pub fn add(&mut self, work: WorkClass, ns: i64) {
         let sum = match work {
-            Work::Feed => &mut self.feed_ns,
-            Work::Rapid => &mut self.rapid_ns,
-            Work::Wait => &mut self.wait_ns,
-            Work::Tool | Work::Dwell | Work::Misc => &mut self.misc_ns,
+            WorkClass::Feed => &mut self.feed_ns,
+            WorkClass::Rapid => &mut self.rapid_ns,
+            WorkClass::Wait => &mut self.wait_ns,
+            WorkClass::Tool | WorkClass::Dwell | WorkClass::Misc => &mut self.misc_ns,
         };
         *sum = sum.saturating_add(ns);
     }
 
     /// An event that took time.
     #[inline]
-    pub fn work(&mut self, work: Work, event: &Event) {
+    pub fn work(&mut self, work: WorkClass, event: &Event) {
         self.add(work, event.dur_ns);
         self.last = Some((work, event.t_ns.saturating_add(event.dur_ns)));
     }
@@ -73,7 +73,7 @@ impl Tally {
             self.end = Some((state, t_ns));
         } else if let Some((_, before)) = self.end.take_if(|_| phase == Phase::ProgramStart) {
             // Started again: the time in between was idle.
-            self.add(Work::Wait, t_ns.saturating_sub(before));
+            self.add(WorkClass::Wait, t_ns.saturating_sub(before));
         }
     }
 
@@ -104,7 +104,7 @@ impl Tally {
             self.add(work, end_ns - over);
         }
         if let Some(since) = since_ns {
-            self.add(Work::Wait, (end_ns - since).max(0));
+            self.add(WorkClass::Wait, (end_ns - since).max(0));
         }
         (state, end_ns)
     }

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::testing::*;
-use counterpoint_event::Outcome;
+use counterpoint_event::RunEnd;
 use counterpoint_event::event::{
-    Block, Diagnostic as LogDiagnostic, Dwell, Event, Function, Kind, Member as LogMember, MotionKind, Phase, RaceWith,
-    Verdict as LogVerdict,
+    BlockEvent, Diagnostic as LogDiagnostic, Dwell, Event, Kind, MotionKind, Phase, RaceWith, TimedFunction,
+    Verdict as LogVerdict, VerdictMember as LogMember,
 };
 
 const S: i64 = 1_000_000_000;
@@ -14,11 +14,11 @@ fn summary(info: &Arc<Info>, events: &[Event]) -> Summary {
     summary_of(info, events, &outcome(events.len()))
 }
 
-fn summary_of(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Summary {
+fn summary_of(info: &Arc<Info>, events: &[Event], outcome: &RunEnd) -> Summary {
     results(info, events, outcome).summary
 }
 
-fn times(channel: &Channel) -> [i64; 5] {
+fn times(channel: &ChannelSummary) -> [i64; 5] {
     [channel.end_ns, channel.feed_ns, channel.rapid_ns, channel.misc_ns, channel.wait_ns].map(|ns| ns / 1_000_000)
 }
 
@@ -28,7 +28,7 @@ fn the_json_is_the_documented_one() {
     let events = [
         life(2, 0, Phase::NotStarted),
         life(1, 0, Phase::ProgramStart),
-        at(1, 1, 0, 0, Kind::Block(Block { number: 1, unit_named: false })),
+        at(1, 1, 0, 0, Kind::Block(BlockEvent { number: 1, unit_named: false })),
         at(1, 1, 0, 3 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[10.0]))),
         diagnostic(1, 1, 3 * S, 2_001_005, 4, "no \"Q\""),
         life(1, 3 * S, Phase::ProgramEnd),
@@ -61,7 +61,7 @@ fn a_stop_cuts_durations_and_waits() {
         at(1, 1, 0, 10 * S, Kind::Motion(motion(MotionKind::Rapid, &[0.0], &[10.0]))),
         at(2, 1, 0, S, Kind::Dwell(Dwell)),
         wait(2, 2, S, "M101", &[1, 2]),
-        at(3, 1, 0, 4 * S, Kind::Function(Function { letter: 'M', value: 8.0 })),
+        at(3, 1, 0, 4 * S, Kind::Function(TimedFunction { letter: 'M', value: 8.0 })),
         at(0, 0, 4 * S, 0, Kind::Verdict(Box::new(verdict))),
     ];
     let limited = summary(&info, &events);
@@ -69,8 +69,8 @@ fn a_stop_cuts_durations_and_waits() {
     assert_eq!(states, [ChannelState::Stopped, ChannelState::Blocked, ChannelState::Stopped]);
     let all: Vec<_> = limited.channels.iter().map(times).collect();
     assert_eq!(all, [[4000, 0, 4000, 0, 0], [1000, 0, 0, 1000, 0], [4000, 0, 0, 4000, 0]]);
-    let cancelled = summary_of(&info, &events, &Outcome { cancelled: true, ..outcome(5) });
-    assert_eq!((cancelled.state, cancelled.channels[1].state), (State::Cancelled, ChannelState::Stopped));
+    let cancelled = summary_of(&info, &events, &RunEnd { cancelled: true, ..outcome(5) });
+    assert_eq!((cancelled.state, cancelled.channels[1].state), (JobOutcome::Cancelled, ChannelState::Stopped));
     assert_eq!(times(&cancelled.channels[1]), [4000, 0, 0, 1000, 3000]);
 }
 
@@ -102,7 +102,7 @@ fn waits_of_different_marks_stay_apart_and_alarmed_ones_count_to_the_alarm() {
     let keys: Vec<_> = summary.waits.iter().map(|w| (&*w.key, w.release_ns)).collect();
     assert_eq!(keys, [("M101", None), ("M102", None)]);
     assert_eq!(summary.channels.iter().map(|c| c.wait_ns).collect::<Vec<_>>(), [S, 0]);
-    assert_eq!((summary.state, summary.highest_severity), (State::Failed, 12));
+    assert_eq!((summary.state, summary.highest_severity), (JobOutcome::Failed, 12));
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn units(blocks: &[&str]) -> String {
     let mut events = vec![life(1, 0, Phase::ProgramStart)];
     let mut unit_named = false;
     for (line, words) in (1..).zip(blocks) {
-        events.push(at(1, line, 0, 0, Kind::Block(Block { number: u64::from(line), unit_named })));
+        events.push(at(1, line, 0, 0, Kind::Block(BlockEvent { number: u64::from(line), unit_named })));
         unit_named = words.contains("named") || words.contains("units");
         for word in words.split(", ") {
             events.push(match word {

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::sync_points::Stay;
-use counterpoint_event::event::Work;
+use crate::sync_points::WaitStay;
+use counterpoint_event::event::WorkClass;
 use counterpoint_event::{FileId, SourcePlace};
 
 /// Bars a channel has at most.
@@ -19,9 +19,9 @@ const SAMPLES: usize = 2000;
 
 /// A stretch of time spent on one thing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Bar {
+pub struct ActivityBar {
     /// The kind of work of the time.
-    pub kind: Work,
+    pub kind: WorkClass,
     /// Start, ns.
     pub t_ns: i64,
     /// Duration, ns.
@@ -57,7 +57,7 @@ impl CarriedAxes {
     }
 }
 
-impl Bar {
+impl ActivityBar {
     /// End, ns.
     #[must_use]
     pub fn end_ns(&self) -> i64 {
@@ -65,7 +65,7 @@ impl Bar {
     }
 
     /// Work at one place.
-    fn new(kind: Work, (t_ns, dur_ns): (i64, i64), place: SourcePlace) -> Self {
+    fn new(kind: WorkClass, (t_ns, dur_ns): (i64, i64), place: SourcePlace) -> Self {
         let SourcePlace { file, line } = place;
         Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns }
     }
@@ -96,7 +96,7 @@ impl Bar {
 /// Collects bars.
 #[derive(Debug)]
 pub struct Bars {
-    bars: Vec<Bar>,
+    bars: Vec<ActivityBar>,
     /// At the end.
     most: usize,
     /// Bars shorter than this are joined with the next one.
@@ -106,31 +106,31 @@ pub struct Bars {
 impl Bars {
     /// No bar yet; all of them may take this many bytes.
     pub fn new(room: u64) -> Self {
-        let most = usize::try_from(room / (2 * size_of::<Bar>() as u64)).unwrap_or(MOST).min(MOST);
+        let most = usize::try_from(room / (2 * size_of::<ActivityBar>() as u64)).unwrap_or(MOST).min(MOST);
         Self { bars: Vec::new(), most, grain_ns: 0 }
     }
 
     /// A stretch of work that follows all others.
     #[inline]
-    pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, place: SourcePlace) {
+    pub fn push(&mut self, kind: WorkClass, t_ns: i64, dur_ns: i64, place: SourcePlace) {
         if let Some(last) = self.bars.last_mut()
             && last.kind == kind
             && last.file == place.file
-            && kind != Work::Wait
+            && kind != WorkClass::Wait
             && last.end_ns() == t_ns
         {
             last.extend(dur_ns, place.line);
             return;
         }
-        self.push_other(Bar::new(kind, (t_ns, dur_ns), place));
+        self.push_other(ActivityBar::new(kind, (t_ns, dur_ns), place));
     }
 
     /// Adds work of another kind or in another file than the last bar.
-    fn push_other(&mut self, mut bar: Bar) {
+    fn push_other(&mut self, mut bar: ActivityBar) {
         if let Some(last) = self.bars.last_mut()
             && last.dur_ns < self.grain_ns
-            && bar.kind != Work::Wait
-            && last.kind != Work::Wait
+            && bar.kind != WorkClass::Wait
+            && last.kind != WorkClass::Wait
             && last.end_ns() == bar.t_ns
         {
             last.absorb(&mut bar);
@@ -140,25 +140,25 @@ impl Bars {
     }
 
     /// A wait that is over.
-    pub fn wait(&mut self, since_ns: i64, t_ns: i64, stay: &Stay) {
+    pub fn wait(&mut self, since_ns: i64, t_ns: i64, stay: &WaitStay) {
         let dur_ns = t_ns.saturating_sub(since_ns);
         if dur_ns > 0 {
-            let bar = Bar::new(Work::Wait, (since_ns, dur_ns), SourcePlace::new(stay.file, stay.line));
-            self.add(Bar { label: Some(stay.key()), ..bar });
+            let bar = ActivityBar::new(WorkClass::Wait, (since_ns, dur_ns), SourcePlace::new(stay.file, stay.line));
+            self.add(ActivityBar { label: Some(stay.key()), ..bar });
         }
     }
 
     /// An axis has been moved by another channel during the wait that ended just now, if it took time.
     pub fn carried(&mut self, t_ns: i64, axes: &str) {
         if let Some(last) = self.bars.last_mut()
-            && last.kind == Work::Wait
+            && last.kind == WorkClass::Wait
             && last.end_ns() == t_ns
         {
             last.carried = Some(Box::new(CarriedAxes(axes.into())));
         }
     }
 
-    fn add(&mut self, bar: Bar) {
+    fn add(&mut self, bar: ActivityBar) {
         self.bars.push(bar);
         if self.bars.len() >= 2 * self.most {
             self.thin();
@@ -166,7 +166,7 @@ impl Bars {
     }
 
     /// Bars up to the end of the channel.
-    pub fn finish(mut self, end_ns: i64) -> Vec<Bar> {
+    pub fn finish(mut self, end_ns: i64) -> Vec<ActivityBar> {
         self.thin();
         while let Some(last) = self.bars.last_mut()
             && last.end_ns() > end_ns

@@ -16,9 +16,9 @@ use std::fmt::Write as _;
 use super::Timeline;
 use crate::summary::ChannelState;
 use crate::svg::{fit, open, text, width};
-use counterpoint_event::event::Work;
-use layout::{Layout, windows};
-use scale::{Scale, time_text};
+use counterpoint_event::event::WorkClass;
+use layout::{PlotLayout, windows};
+use scale::{TimeScale, time_text};
 
 const WIDTH: f64 = 1200.0;
 /// Where the bars begin.
@@ -38,16 +38,16 @@ const INK: &str = "#1f2933";
 const SOFT: &str = "#66727f";
 const RED: &str = "#d62839";
 
-const KINDS: [(Work, &str, &str); 6] = [
-    (Work::Feed, "feed", "#2f7fc1"),
-    (Work::Rapid, "rapid", "#f2b134"),
-    (Work::Tool, "tool", "#8e5ea2"),
-    (Work::Dwell, "dwell", "#8593a0"),
-    (Work::Misc, "misc", "#3fa796"),
-    (Work::Wait, "wait", "url(#wait)"),
+const KINDS: [(WorkClass, &str, &str); 6] = [
+    (WorkClass::Feed, "feed", "#2f7fc1"),
+    (WorkClass::Rapid, "rapid", "#f2b134"),
+    (WorkClass::Tool, "tool", "#8e5ea2"),
+    (WorkClass::Dwell, "dwell", "#8593a0"),
+    (WorkClass::Misc, "misc", "#3fa796"),
+    (WorkClass::Wait, "wait", "url(#wait)"),
 ];
 
-fn style(kind: Work) -> (&'static str, &'static str) {
+fn style(kind: WorkClass) -> (&'static str, &'static str) {
     KINDS.iter().find(|(k, ..)| *k == kind).map_or(("misc", "#3fa796"), |(_, name, color)| (name, color))
 }
 
@@ -60,12 +60,12 @@ pub(super) fn draw(timeline: &Timeline) -> String {
     let right = if open_ended { RIGHT - 100.0 } else { RIGHT };
     let span = (0, timeline.makespan_ns);
     let windows = windows(timeline);
-    let whole = Layout::new(timeline, Scale::new(span, LEFT, right), TOP, windows.is_empty());
+    let whole = PlotLayout::new(timeline, TimeScale::new(span, LEFT, right), TOP, windows.is_empty());
     let mut bottom = whole.bottom();
-    let details: Vec<Layout> = windows
+    let details: Vec<PlotLayout> = windows
         .into_iter()
         .map(|window| {
-            let layout = Layout::new(timeline, Scale::new(window, LEFT, RIGHT), bottom + 60.0, true);
+            let layout = PlotLayout::new(timeline, TimeScale::new(window, LEFT, RIGHT), bottom + 60.0, true);
             bottom = layout.bottom();
             layout
         })
@@ -98,7 +98,7 @@ pub(super) fn draw(timeline: &Timeline) -> String {
 }
 
 /// The rows of all channels for the time of a layout; `whole`: their names have their times beside them.
-fn plot(out: &mut String, timeline: &Timeline, layout: &Layout, whole: bool) {
+fn plot(out: &mut String, timeline: &Timeline, layout: &PlotLayout, whole: bool) {
     layout.scale.draw(out, layout.top - 10.0, layout.bottom());
     for (index, channel) in timeline.channels.iter().enumerate() {
         rows::draw(out, timeline, channel, (layout, index), whole);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::testing::*;
-use counterpoint_event::event::{Carried, Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
+use counterpoint_event::event::{CarriedMove, Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
 
 const S: i64 = 1_000_000_000;
 
@@ -60,7 +60,7 @@ fn neighbours_of_one_kind_are_one_bar() {
 fn a_slave_moves_below_its_wait_and_on_the_path() {
     let carried = |t: i64| {
         let (from, to) = (Box::new(position(&[40.0, -35.0])), Box::new(position(&[40.0, -65.0])));
-        let carried = Carried { from, to, axes: "Z2 with Z1".into() };
+        let carried = CarriedMove { from, to, axes: "Z2 with Z1".into() };
         at(2, 10, t * S, 0, Kind::coupling("synchronous off Z1 Z2 z=-65".into(), Some(carried)))
     };
     let events = [

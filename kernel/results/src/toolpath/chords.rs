@@ -3,7 +3,7 @@
 //! *Invariant:* the points where an axis turns back are among them, so the extent of the chords is that of the circle.
 
 use counterpoint_event::event::{Motion, Position};
-use counterpoint_event::info::Axis;
+use counterpoint_event::info::JobAxis;
 
 use crate::geometry::{Loop, Sweep, scale};
 
@@ -29,7 +29,7 @@ pub(super) fn between(motion: &Motion, share: f64) -> Position {
 }
 
 /// Positions on an arc in a plane, its ends excluded.
-pub(super) fn of_arc(motion: &Motion, sweep: &Sweep, axes: &[Axis]) -> Vec<Position> {
+pub(super) fn of_arc(motion: &Motion, sweep: &Sweep, axes: &[JobAxis]) -> Vec<Position> {
     let mut shares = shares(sweep.angle);
     shares.extend(sweep.turning_points());
     shares.sort_by(f64::total_cmp);

@@ -8,7 +8,7 @@ use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
 use counterpoint_event::info;
 
 use super::chords;
-use super::store::{Here, Move, Path, Stroke};
+use super::store::{Here, PathMove, RecordedPath, Stroke};
 use crate::geometry::{Loop, Sweep, scale};
 
 /// A move counts as straight if its length is that of the straight path, within this, mm or inch.
@@ -21,7 +21,7 @@ pub(super) struct Face {
     y: Option<usize>,
     c: Option<usize>,
     z: Option<usize>,
-    path: Path,
+    path: RecordedPath,
     /// Where the moves of the active tool begin.
     of_tool: Here,
     /// The active tool has turned C or moved Y.
@@ -31,14 +31,14 @@ pub(super) struct Face {
 
 impl Face {
     /// A builder for a channel with X and one of C and Y; its path may take this many bytes.
-    pub(super) fn new(channel: &info::Channel, room: u64) -> Option<Self> {
+    pub(super) fn new(channel: &info::JobChannel, room: u64) -> Option<Self> {
         let find = |name: &str| channel.axes.iter().position(|axis| axis.name == name);
         let x = find("X")?;
         let (y, c) = (find("Y"), find("C").filter(|at| channel.axes.get(*at).is_some_and(|axis| axis.rotary)));
         if y.is_none() && c.is_none() {
             return None;
         }
-        let path = Path::with_capacity(0, room);
+        let path = RecordedPath::with_capacity(0, room);
         let of_tool = path.here();
         let x = (x, channel.axes.get(x).map_or(1.0, scale));
         Some(Self { x, y, c, z: find("Z"), path, of_tool, live: false, end: None })
@@ -53,7 +53,7 @@ impl Face {
     }
 
     /// The next motion of a tool, and the file and line of its block.
-    pub(super) fn motion(&mut self, motion: &Motion, axes: &[info::Axis], tool: u32, (file, line): (FileId, u32)) {
+    pub(super) fn motion(&mut self, motion: &Motion, axes: &[info::JobAxis], tool: u32, (file, line): (FileId, u32)) {
         let changes = |axis: Option<usize>| {
             axis.is_some_and(|at| motion.from.get(at).zip(motion.to.get(at)).is_some_and(|(from, to)| from != to))
         };
@@ -73,14 +73,14 @@ impl Face {
             _ => Stroke::Feed,
         };
         for position in way {
-            self.path.push(Move::new(stroke, self.point(&position), line), None);
+            self.path.push(PathMove::new(stroke, self.point(&position), line), None);
         }
-        self.path.push(Move::new(stroke, self.point(&motion.to), line), None);
+        self.path.push(PathMove::new(stroke, self.point(&motion.to), line), None);
         self.end = Some(motion.to);
     }
 
     /// Positions between the ends of a move that is not a straight line on the face.
-    fn way(&self, motion: &Motion, axes: &[info::Axis], turns: bool) -> Vec<Position> {
+    fn way(&self, motion: &Motion, axes: &[info::JobAxis], turns: bool) -> Vec<Position> {
         if let Some(sweep) = Sweep::of(motion, axes) {
             return chords::of_arc(motion, &sweep, axes);
         }
@@ -141,7 +141,7 @@ impl Face {
     }
 
     /// The path of the live tools; none if there was none.
-    pub(super) fn finish(mut self) -> Option<Path> {
+    pub(super) fn finish(mut self) -> Option<RecordedPath> {
         self.tool();
         (!self.path.moves.is_empty()).then_some(self.path)
     }

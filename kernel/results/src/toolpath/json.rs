@@ -2,21 +2,21 @@
 
 use serde::ser::{Serialize, SerializeSeq, SerializeStruct, Serializer};
 
-use super::store::{Curve, Move, Path, Stroke};
-use super::{Channel, View};
+use super::store::{Curve, PathMove, RecordedPath, Stroke};
+use super::{ChannelToolpath, ToolpathView};
 
-impl Serialize for Channel {
+impl Serialize for ChannelToolpath {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_struct("Channel", 8)?;
         out.serialize_field("channel", &self.channel)?;
         out.serialize_field("name", &self.name)?;
         out.serialize_field("side", if self.lower { "lower" } else { "upper" })?;
-        let tool = |(tool, name): &(u32, String)| Tool { tool: *tool, name: name.clone() };
+        let tool = |(tool, name): &(u32, String)| ToolpathTool { tool: *tool, name: name.clone() };
         out.serialize_field("tools", &self.tools.iter().map(tool).collect::<Vec<_>>())?;
         out.serialize_field("truncated", &self.path.truncated)?;
-        out.serialize_field("segments", &Segments { channel: self, path: &self.path, view: self.view })?;
+        out.serialize_field("segments", &ToolpathSegments { channel: self, path: &self.path, view: self.view })?;
         if let Some(face) = &self.face {
-            out.serialize_field("face", &Segments { channel: self, path: face, view: View::Xyz })?;
+            out.serialize_field("face", &ToolpathSegments { channel: self, path: face, view: ToolpathView::Xyz })?;
         }
         if let Some(stop) = &self.stop {
             out.serialize_field("stop", stop)?;
@@ -26,18 +26,18 @@ impl Serialize for Channel {
 }
 
 #[derive(serde::Serialize)]
-struct Tool {
+struct ToolpathTool {
     tool: u32,
     name: String,
 }
 
-struct Segments<'a> {
-    channel: &'a Channel,
-    path: &'a Path,
-    view: View,
+struct ToolpathSegments<'a> {
+    channel: &'a ChannelToolpath,
+    path: &'a RecordedPath,
+    view: ToolpathView,
 }
 
-impl Serialize for Segments<'_> {
+impl Serialize for ToolpathSegments<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (path, view) = (self.path, self.view);
         let mut out = serializer.serialize_seq(None)?;
@@ -50,7 +50,7 @@ impl Serialize for Segments<'_> {
                     (from, rest) = (first.to(), tail);
                     continue;
                 }
-                let straight = |m: &Move| m.stroke() == first.stroke() && path.curve(m).is_none();
+                let straight = |m: &PathMove| m.stroke() == first.stroke() && path.curve(m).is_none();
                 let count = match path.curve(first) {
                     Some(_) => 1,
                     None => rest.iter().position(|m| !straight(m)).unwrap_or(rest.len()),
@@ -58,7 +58,7 @@ impl Serialize for Segments<'_> {
                 let (run, tail) = rest.split_at(count);
                 let tool = mark.tool;
                 out.serialize_element(&Segment { from, run, curve: path.curve(first), view, tool, file })?;
-                from = run.last().map_or(from, Move::to);
+                from = run.last().map_or(from, PathMove::to);
                 rest = tail;
             }
         }
@@ -68,9 +68,9 @@ impl Serialize for Segments<'_> {
 
 struct Segment<'a> {
     from: [f64; 3],
-    run: &'a [Move],
+    run: &'a [PathMove],
     curve: Option<&'a Curve>,
-    view: View,
+    view: ToolpathView,
     tool: u32,
     file: &'a str,
 }
@@ -78,7 +78,7 @@ struct Segment<'a> {
 impl Serialize for Segment<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_struct("Segment", 8)?;
-        let kind = match (self.curve, self.run.first().map(Move::stroke)) {
+        let kind = match (self.curve, self.run.first().map(PathMove::stroke)) {
             (Some(curve), _) if curve.angle < 0.0 => "arc_cw",
             (Some(_), _) => "arc_ccw",
             (None, Some(Stroke::Rapid)) => "rapid",
@@ -95,15 +95,15 @@ impl Serialize for Segment<'_> {
         }
         out.serialize_field("tool", &self.tool)?;
         out.serialize_field("file", self.file)?;
-        out.serialize_field("lines", &Lines(self.run))?;
+        out.serialize_field("lines", &MoveLines(self.run))?;
         out.end()
     }
 }
 
 /// The line of each move.
-struct Lines<'a>(&'a [Move]);
+struct MoveLines<'a>(&'a [PathMove]);
 
-impl Serialize for Lines<'_> {
+impl Serialize for MoveLines<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.0.iter().map(|step| step.line))
     }
@@ -111,14 +111,14 @@ impl Serialize for Lines<'_> {
 
 struct Points<'a> {
     from: [f64; 3],
-    run: &'a [Move],
-    view: View,
+    run: &'a [PathMove],
+    view: ToolpathView,
 }
 
 impl Serialize for Points<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_seq(None)?;
-        for point in std::iter::once(self.from).chain(self.run.iter().map(Move::to)) {
+        for point in std::iter::once(self.from).chain(self.run.iter().map(PathMove::to)) {
             for value in point.iter().take(self.view.letters().len()) {
                 out.serialize_element(&rounded(*value))?;
             }

@@ -27,8 +27,8 @@ pub enum Stroke {
 
 /// A move to a point, in five words: paths are long.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Move {
-    /// Stroke in the upper two bits; below, the index into [`Path::curves`] or [`STRAIGHT`].
+pub struct PathMove {
+    /// Stroke in the upper two bits; below, the index into [`RecordedPath::curves`] or [`STRAIGHT`].
     tag: u32,
     /// End point in units of [`GRAIN`].
     to: [i32; 3],
@@ -38,7 +38,7 @@ pub struct Move {
 
 /// From this move on a tool works, and lines are those of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mark {
+pub struct PathMark {
     /// Index of the move.
     pub from: u32,
     /// Tool as programmed, 0 = none has been loaded.
@@ -75,7 +75,7 @@ fn grains(value: f64) -> i32 {
     (value * (1.0 / GRAIN) + 0.5_f64.copysign(value)) as i32
 }
 
-impl Move {
+impl PathMove {
     #[inline]
     pub(super) fn new(stroke: Stroke, to: [f64; 3], line: u32) -> Self {
         Self { tag: (stroke as u32) << 30 | STRAIGHT, to: to.map(grains), line }
@@ -137,13 +137,13 @@ pub(super) struct Here {
 
 /// The path of a channel.
 #[derive(Debug, Clone, Default)]
-pub struct Path {
+pub struct RecordedPath {
     /// Moves in order.
-    pub moves: Vec<Move>,
+    pub moves: Vec<PathMove>,
     /// Arcs that moves refer to.
     pub curves: Vec<Curve>,
     /// Tools and files, ascending by move.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<PathMark>,
     /// The end of the path is missing.
     pub truncated: bool,
     tolerance: f64,
@@ -153,29 +153,29 @@ pub struct Path {
     room: usize,
 }
 
-impl Path {
+impl RecordedPath {
     /// The arc of a move.
     #[must_use]
-    pub fn curve(&self, of: &Move) -> Option<&Curve> {
+    pub fn curve(&self, of: &PathMove) -> Option<&Curve> {
         self.curves.get(of.curve()?)
     }
 
     /// A path of about this many moves to come, which may take this many bytes.
     pub(super) fn with_capacity(moves: usize, room: u64) -> Self {
         let room = usize::try_from(room).unwrap_or(usize::MAX);
-        Self { moves: Vec::with_capacity(moves.min(MOST).min(room / size_of::<Move>())), room, ..Self::default() }
+        Self { moves: Vec::with_capacity(moves.min(MOST).min(room / size_of::<PathMove>())), room, ..Self::default() }
     }
 
     /// Bytes that it takes.
     fn bytes(&self) -> usize {
-        self.moves.len() * size_of::<Move>()
+        self.moves.len() * size_of::<PathMove>()
             + self.curves.len() * size_of::<Curve>()
-            + self.marks.len() * size_of::<Mark>()
+            + self.marks.len() * size_of::<PathMark>()
     }
 
     /// The next move starts here, wherever the last one ended.
     pub(super) fn begin(&mut self, from: [f64; 3], line: u32) {
-        let start = Move::new(Stroke::Start, from, line);
+        let start = PathMove::new(Stroke::Start, from, line);
         if !self.truncated && self.moves.last().is_none_or(|last| last.to != start.to) {
             self.moves.push(start);
         }
@@ -197,12 +197,12 @@ impl Path {
         if !self.truncated {
             let from = self.moves.len() as u32;
             self.marks.pop_if(|last| last.from == from);
-            self.marks.push(Mark { from, tool, file });
+            self.marks.push(PathMark { from, tool, file });
         }
     }
 
     /// Moves with one tool and lines of one file, in order.
-    pub(super) fn sections(&self) -> impl Iterator<Item = (Mark, &[Move])> {
+    pub(super) fn sections(&self) -> impl Iterator<Item = (PathMark, &[PathMove])> {
         let ends = self.marks.iter().skip(1).map(|mark| mark.from as usize).chain([self.moves.len()]);
         self.marks
             .iter()
@@ -211,7 +211,7 @@ impl Path {
     }
 
     #[inline]
-    pub(super) fn push(&mut self, mut to: Move, curve: Option<Curve>) {
+    pub(super) fn push(&mut self, mut to: PathMove, curve: Option<Curve>) {
         if self.truncated {
             return;
         }
@@ -263,7 +263,7 @@ impl Path {
     }
 
     fn coarsen(&mut self) {
-        let mut moves: Vec<Move> = Vec::with_capacity(self.moves.len());
+        let mut moves: Vec<PathMove> = Vec::with_capacity(self.moves.len());
         let mut curves = Vec::new();
         let mut marks = Vec::with_capacity(self.marks.len());
         let mut marked = self.marks.iter().peekable();
@@ -273,7 +273,7 @@ impl Path {
         for (index, step) in self.moves.iter().enumerate() {
             let mut step = *step;
             let mark = marked.next_if(|mark| mark.from as usize == index);
-            marks.extend(mark.map(|mark| Mark { from: moves.len() as u32, ..*mark }));
+            marks.extend(mark.map(|mark| PathMark { from: moves.len() as u32, ..*mark }));
             if let Some(curve) = self.curve(&step) {
                 let kept = curve.radius * curve.angle.abs() > self.tolerance;
                 step.set_curve(kept.then_some(curves.len()));

@@ -18,14 +18,14 @@ mod stops;
 
 use std::fmt::Write as _;
 
-use super::store::{Path, Stroke};
-use super::{Channel, Toolpath};
+use super::store::{RecordedPath, Stroke};
+use super::{ChannelToolpath, Toolpath};
 use crate::svg::{escape, fit, open, text, width};
 use counterpoint_event::event::FileId;
-use frame::{Bounds, Frame};
+use frame::{PictureBounds, PictureView};
 use legend::Palette;
-use pieces::{Piece, pieces};
-use sight::{Sight, Source, sights};
+use pieces::{PathPiece, pieces};
+use sight::{Sight, ViewedPath, sights};
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 64.0;
@@ -65,15 +65,15 @@ pub(super) fn draw(toolpath: &Toolpath) -> String {
 }
 
 /// The views, one below the other from `top` on. All with scales count the same pixels per unit.
-fn frames(toolpath: &Toolpath, mut top: f64) -> Vec<Frame> {
-    let bounds = |source| Bounds::of(paths(toolpath, source));
-    let sights: Vec<(Sight, Bounds)> =
+fn frames(toolpath: &Toolpath, mut top: f64) -> Vec<PictureView> {
+    let bounds = |source| PictureBounds::of(paths(toolpath, source));
+    let sights: Vec<(Sight, PictureBounds)> =
         sights(toolpath).into_iter().map(|sight| (sight, bounds(sight.source).seen_by(sight))).collect();
     let common = scale(sights.iter().filter(|(sight, _)| sight.has_scales()), HEIGHT);
     let mut frames = Vec::new();
     for (sight, bounds) in &sights {
         let scale = if sight.has_scales() { common } else { scale(std::iter::once(&(*sight, *bounds)), HEIGHT / 2.0) };
-        let frame = Frame::new(*sight, bounds, scale, top);
+        let frame = PictureView::new(*sight, bounds, scale, top);
         top = frame.bottom + BETWEEN;
         frames.push(frame);
     }
@@ -81,15 +81,15 @@ fn frames(toolpath: &Toolpath, mut top: f64) -> Vec<Frame> {
 }
 
 /// Paths of all channels that a view shows, each with whether it is seen below the turning axis.
-fn paths(toolpath: &Toolpath, source: Source) -> impl Iterator<Item = (&Path, bool)> + Clone {
+fn paths(toolpath: &Toolpath, source: ViewedPath) -> impl Iterator<Item = (&RecordedPath, bool)> + Clone {
     toolpath.channels.iter().filter_map(move |channel| match source {
-        Source::Path => Some((&channel.path, channel.lower)),
-        Source::Face => channel.face.as_ref().map(|path| (path, false)),
+        ViewedPath::Path => Some((&channel.path, channel.lower)),
+        ViewedPath::Face => channel.face.as_ref().map(|path| (path, false)),
     })
 }
 
 /// Pixels per unit that fit all of these views into a height.
-fn scale<'a>(sights: impl Iterator<Item = &'a (Sight, Bounds)> + Clone, height: f64) -> f64 {
+fn scale<'a>(sights: impl Iterator<Item = &'a (Sight, PictureBounds)> + Clone, height: f64) -> f64 {
     let heights: f64 = sights.clone().map(|(_, bounds)| bounds.span(1)).sum();
     let width = sights.clone().map(|(_, bounds)| bounds.span(0)).fold(0.0, f64::max);
     let free = height - BETWEEN * (sights.count() as f64 - 1.0);
@@ -97,15 +97,15 @@ fn scale<'a>(sights: impl Iterator<Item = &'a (Sight, Bounds)> + Clone, height: 
 }
 
 /// All channels in one frame.
-fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
+fn strokes(toolpath: &Toolpath, frame: &PictureView, palette: &Palette) -> String {
     let (mut out, mut marks) = (String::new(), String::new());
     for (index, channel) in toolpath.channels.iter().enumerate() {
         let (path, frame) = match (frame.sight.source, &channel.face) {
-            (Source::Path, _) => (&channel.path, frame.of(channel.lower)),
-            (Source::Face, Some(face)) => (face, frame.clone()),
-            (Source::Face, None) => continue,
+            (ViewedPath::Path, _) => (&channel.path, frame.of(channel.lower)),
+            (ViewedPath::Face, Some(face)) => (face, frame.clone()),
+            (ViewedPath::Face, None) => continue,
         };
-        let pieces = pieces(path, &frame, frame.sight.source == Source::Path);
+        let pieces = pieces(path, &frame, frame.sight.source == ViewedPath::Path);
         let drawn: usize = pieces.iter().filter(|p| p.stroke == Stroke::Feed).map(|p| p.d.len()).sum();
         for of_tool in pieces.chunk_by(|a, b| a.tool == b.tool) {
             let tool = of_tool.first().map_or(0, |piece| piece.tool);
@@ -132,7 +132,7 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
         if frame.sight.shows_holes {
             holes::draw(&mut out, (toolpath, channel), path, &frame, |tool| palette.color(index, tool));
         }
-        if let (Some(stop), Source::Path) = (&channel.stop, frame.sight.source) {
+        if let (Some(stop), ViewedPath::Path) = (&channel.stop, frame.sight.source) {
             stops::draw(&mut marks, channel, stop, path, &frame);
         }
     }
@@ -141,7 +141,7 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
 }
 
 /// Where a piece comes from: `UPPER T3, part.nc line 12: G1 X34.`.
-fn hint(toolpath: &Toolpath, channel: &Channel, piece: &Piece) -> String {
+fn hint(toolpath: &Toolpath, channel: &ChannelToolpath, piece: &PathPiece) -> String {
     let place = place(toolpath, channel, (piece.tool, piece.file));
     let (first, last) = piece.lines;
     if first != last {
@@ -152,7 +152,7 @@ fn hint(toolpath: &Toolpath, channel: &Channel, piece: &Piece) -> String {
 }
 
 /// `UPPER T3, part.nc `, as far as it is needed.
-fn place(toolpath: &Toolpath, channel: &Channel, (tool, file): (u32, FileId)) -> String {
+fn place(toolpath: &Toolpath, channel: &ChannelToolpath, (tool, file): (u32, FileId)) -> String {
     let mut out = String::new();
     if toolpath.channels.len() > 1 {
         let _ = write!(out, "{} ", channel.name);

@@ -1,7 +1,7 @@
 //! Start and end of a kernel, and the end of the job.
 
 use super::{ABORT, Coordinator};
-use crate::merge::Message;
+use crate::merge::MergerMessage;
 use crate::order::Order;
 use crate::wait::{Finish, Terminal};
 
@@ -12,7 +12,7 @@ impl Coordinator {
         inner.order.waits.finish(channel, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
         inner.order.done(channel);
         self.apply(&mut inner);
-        inner.send(Message::Done(channel));
+        inner.send(MergerMessage::Done(channel));
     }
 
     /// A channel without a program, which others may start; its kernel has not begun yet.
@@ -31,7 +31,7 @@ impl Coordinator {
         // A kernel that continues because of this end does so in the log before the merger stops waiting for this
         // channel.
         self.apply(&mut inner);
-        inner.send(Message::Done(channel));
+        inner.send(MergerMessage::Done(channel));
         if self.limited {
             self.release_permit(&mut inner);
         }

@@ -4,8 +4,8 @@
 
 use super::locks::atomic::Ordering::SeqCst;
 
-use super::switch::Switch;
-use super::{Coordinator, Guard, Inner};
+use super::switch::WaitMethod;
+use super::{Coordinator, CoordinatorState, Guard};
 
 impl Coordinator {
     /// Whether some other kernel waits for a permit and is before `t`.
@@ -29,7 +29,7 @@ impl Coordinator {
         drop(self.acquire_permit(channel, inner));
     }
 
-    pub(super) fn release_permit(&self, inner: &mut Inner) {
+    pub(super) fn release_permit(&self, inner: &mut CoordinatorState) {
         inner.permits += 1;
         if let Some(&(_, channel)) = inner.queue.iter().min() {
             self.signal(channel);
@@ -44,7 +44,7 @@ impl Coordinator {
         inner.queue.push(own);
         self.waiting_permits.fetch_add(1, SeqCst);
         while inner.permits == 0 || inner.queue.iter().min() != Some(&own) {
-            inner = self.sleep(channel, inner, Switch::Thread);
+            inner = self.sleep(channel, inner, WaitMethod::Thread);
         }
         inner.permits -= 1;
         inner.queue.retain(|entry| *entry != own);

@@ -6,16 +6,16 @@
 use std::sync::Arc;
 
 use super::Coordinator;
-use super::switch::{Port, Switch};
-use super::turn::Met;
+use super::switch::{Port, WaitMethod};
+use super::turn::MeetOutcome;
 use crate::channels::Channels;
 use crate::order::Wake;
-use crate::order::arrive::After;
-use crate::order::spin::{self, Lap};
-use crate::shared::Shared;
+use crate::order::arrive::ArrivalReply;
+use crate::order::spin::{self, LoopPass};
+use crate::shared::SharedState;
 use crate::tag::Tag;
-use crate::testing::{Deed, info, listening, program, wait, waits};
-use crate::wait::{Finish, Terminal, Waiting};
+use crate::testing::{ScriptedWaitOp, info, listening, program, wait, waits};
+use crate::wait::{Finish, Terminal, WaitingChannel};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 
 /// Schedules that are tried for each test.
@@ -23,7 +23,7 @@ const SCHEDULES: usize = 1_000;
 
 /// A step of a kernel.
 #[derive(Debug, Clone, Copy)]
-enum Op {
+enum ScheduleStep {
     /// Blocks that take this time.
     Run(i64),
     /// An operation on shared state.
@@ -35,7 +35,7 @@ enum Op {
     /// A wait for a signal from any channel to all channels.
     Listen(u32),
     /// Something done for others.
-    Do(Deed, u32),
+    Do(ScriptedWaitOp, u32),
     /// The end of a program; the script continues when another kernel starts the next one.
     Rest,
     /// Starts this kernel.
@@ -48,12 +48,12 @@ enum Op {
     Stop,
 }
 
-use Deed::{Call, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, Listen, Pass, Poll, Rest, Run, Stop};
+use ScheduleStep::{Act, At, Away, Begin, Do, Listen, Pass, Poll, Rest, Run, Stop};
+use ScriptedWaitOp::{Call, Free, Remove, Send, Set, Share};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
-fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
-    let port = Port::new(core, Switch::Thread);
+fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[ScheduleStep]) {
+    let port = Port::new(core, WaitMethod::Thread);
     let (mut t, mut micro) = (0, 0);
     core.begin(channel);
     'script: for op in script {
@@ -67,7 +67,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
             }
             Away => core.away(tag, shuttle::thread::yield_now),
             Poll(count) => {
-                let lap = Lap { file: 0, lines: (1, 2), count: 1, reads: 1 };
+                let lap = LoopPass { file: 0, lines: (1, 2), count: 1, reads: 1 };
                 let mut begun = None;
                 loop {
                     let tag = Tag { t, micro, channel };
@@ -76,7 +76,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                         break;
                     }
                     match turn.lap(tag, lap, begun, &"#100".into(), Some(2)) {
-                        spin::After::Pass(changes) => {
+                        spin::PassOutcome::Pass(changes) => {
                             drop(turn);
                             begun = Some(changes);
                             (t, micro) = (t + 2, 0);
@@ -84,14 +84,14 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                                 break 'script;
                             }
                         }
-                        spin::After::Rest => {
+                        spin::PassOutcome::Rest => {
                             drop(turn);
                             match port.wait(channel, &mut (), |()| ()) {
                                 Wake::Roused { tag, .. } => (t, micro) = (tag.t, tag.micro),
                                 _ => break 'script,
                             }
                         }
-                        spin::After::Hopeless => {
+                        spin::PassOutcome::Hopeless => {
                             turn.stop(tag);
                             break 'script;
                         }
@@ -122,7 +122,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
             },
             Begin(other) => match port.enter(tag, &mut (), |()| ()) {
                 Ok(mut turn) => {
-                    assert_eq!(turn.start(tag, crate::wait::Set::default().with(*other)), Ok(()));
+                    assert_eq!(turn.start(tag, crate::wait::ChannelSet::default().with(*other)), Ok(()));
                     micro += 1;
                 }
                 Err(_) => break,
@@ -141,13 +141,13 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                 }
             }
             Pass(primitive, number) => {
-                let waiting = Waiting { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
+                let waiting = WaitingChannel { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                 let Ok(mut turn) = port.enter(tag, &mut (), |()| ()) else { break };
                 let after = turn.arrive_in_motion(waiting, own, &info()).0;
                 drop(turn);
                 // A kernel that passes is in motion for a while.
-                if let After::Go { t: go, .. } = after {
+                if let ArrivalReply::Go { t: go, .. } = after {
                     (t, micro) = (go + 1, 0);
                     continue;
                 }
@@ -166,18 +166,20 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                     Listen(number) => listening(*number, kernels),
                     _ => unreachable!("no wait"),
                 };
-                let waiting = Waiting { wait, tag, file: 0, line: 0 };
+                let waiting = WaitingChannel { wait, tag, file: 0, line: 0 };
                 let mut wake = match port.meet(waiting, &mut (), |()| (), |(), _| false) {
-                    Met::Woken(wake) => wake,
-                    Met::Turn(mut turn) => {
+                    MeetOutcome::Woken(wake) => wake,
+                    MeetOutcome::Turn(mut turn) => {
                         let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                         match turn.arrive(waiting, own, &info()).0 {
-                            After::Go { t, micro, sync_point, short } => {
+                            ArrivalReply::Go { t, micro, sync_point, short } => {
                                 let tag = Tag { t, micro, channel };
                                 Wake::Released { tag, sync_point, by: channel, all: true, short }
                             }
-                            After::Stand(_) => Wake::Turn,
-                            After::Alarm { .. } | After::Illegal { .. } => unreachable!("no wait is refused"),
+                            ArrivalReply::Stand(_) => Wake::Turn,
+                            ArrivalReply::Alarm { .. } | ArrivalReply::Illegal { .. } => {
+                                unreachable!("no wait is refused")
+                            }
                         }
                     }
                 };
@@ -200,9 +202,9 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
 }
 
 /// The operations of a job, in their order.
-fn run(scripts: &'static [&'static [Op]], threads: usize) -> Vec<f64> {
+fn run(scripts: &'static [&'static [ScheduleStep]], threads: usize) -> Vec<f64> {
     let channels = Channels::new(1..=scripts.len() as u16);
-    let core = Arc::new(Coordinator::new(channels, threads, Shared::default(), waits(scripts.len() as u16), None));
+    let core = Arc::new(Coordinator::new(channels, threads, SharedState::default(), waits(scripts.len() as u16), None));
     core.unordered(|order| (1..=scripts.len() as u16).for_each(|channel| order.preselect(channel, program())));
     let handles: Vec<_> = (1..)
         .zip(scripts)
@@ -217,7 +219,7 @@ fn run(scripts: &'static [&'static [Op]], threads: usize) -> Vec<f64> {
     core.unordered(|order| (0..).map_while(|key| order.shared.variables.get(&key).copied()).collect())
 }
 
-fn tried(scripts: &'static [&'static [Op]], expected: &'static [f64]) {
+fn tried(scripts: &'static [&'static [ScheduleStep]], expected: &'static [f64]) {
     // All threads at once, and fewer threads than kernels.
     for threads in [0, 2] {
         let job = move || assert_eq!(run(scripts, threads), expected, "{scripts:?} {threads}");
@@ -290,7 +292,7 @@ fn a_stop_reaches_a_kernel_that_arrives_in_motion() {
 
 #[test]
 fn order_numbers_of_two_kernels() {
-    let orders: &[&[Op]] = &[
+    let orders: &[&[ScheduleStep]] = &[
         &[Run(1), At(Primitive::Order, 1), Act, Run(1), At(Primitive::Order, 3), Act],
         &[At(Primitive::Order, 2), Act, Run(2), At(Primitive::Order, 3), Act],
     ];

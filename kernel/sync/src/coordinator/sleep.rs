@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::locks::atomic::Ordering::{Relaxed, SeqCst};
 use super::locks::{PoisonError, spin_loop, yield_now};
-use super::switch::{Pause, Switch};
+use super::switch::{WaitMethod, YieldReason};
 use super::{Coordinator, Guard, Slot};
 
 /// Checks of the signal before the processor is given away, if every kernel has a processor: the partner runs, or
@@ -47,19 +47,19 @@ impl Coordinator {
     }
 
     /// Sleeps until a signal, or runs other kernels meanwhile.
-    pub(super) fn sleep<'a>(&'a self, channel: u16, inner: Guard<'a>, switch: Switch<'_>) -> Guard<'a> {
+    pub(super) fn sleep<'a>(&'a self, channel: u16, inner: Guard<'a>, switch: WaitMethod<'_>) -> Guard<'a> {
         let Some(slot) = self.slot(channel) else { return inner };
         match switch {
-            Switch::Thread => {
+            WaitMethod::Thread => {
                 slot.asleep.store(true, SeqCst);
                 let inner = slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
                 slot.note_processor();
                 inner
             }
-            Switch::Coroutine(yielder) => {
+            WaitMethod::Coroutine(yielder) => {
                 slot.asleep.store(true, Relaxed);
                 drop(inner);
-                yielder.suspend(Pause::Sleep);
+                yielder.suspend(YieldReason::Sleep);
                 self.lock()
             }
         }

@@ -7,17 +7,17 @@ use std::ops::Deref;
 
 use corosensei::Yielder;
 
-use super::turn::{Met, Turn, Waiter};
+use super::turn::{MeetOutcome, TurnGuard, Waiter};
 use super::{Coordinator, Stopped};
 use crate::backlog::Chunk;
 use crate::merge::Feeder;
 use crate::order::Wake;
 use crate::tag::Tag;
-use crate::wait::Waiting;
+use crate::wait::WaitingChannel;
 
 /// Why a kernel lets its thread run another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pause {
+pub enum YieldReason {
     /// It has nothing to do until it is signalled.
     Sleep,
     /// It needs an empty chunk, which the merger gives back.
@@ -30,11 +30,11 @@ pub enum Pause {
 
 /// How a kernel waits.
 #[derive(Clone, Copy)]
-pub enum Switch<'a> {
+pub enum WaitMethod<'a> {
     /// Its thread sleeps.
     Thread,
     /// Its thread runs another kernel.
-    Coroutine(&'a Yielder<(), Pause>),
+    Coroutine(&'a Yielder<(), YieldReason>),
 }
 
 /// Whether there is nothing to do meanwhile.
@@ -46,7 +46,7 @@ fn no_work<S>(_: &mut S, _: bool) -> bool {
 #[derive(Clone, Copy)]
 pub struct Port<'a> {
     core: &'a Coordinator,
-    switch: Switch<'a>,
+    switch: WaitMethod<'a>,
 }
 
 impl Deref for Port<'_> {
@@ -60,7 +60,7 @@ impl Deref for Port<'_> {
 
 impl<'a> Port<'a> {
     /// The coordinator for a kernel that waits in this way.
-    pub fn new(core: &'a Coordinator, switch: Switch<'a>) -> Self {
+    pub fn new(core: &'a Coordinator, switch: WaitMethod<'a>) -> Self {
         Self { core, switch }
     }
 
@@ -68,7 +68,7 @@ impl<'a> Port<'a> {
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
+    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<TurnGuard<'a>, Stopped> {
         self.enter_keeping((tag, tag), state, flush)
     }
 
@@ -81,7 +81,7 @@ impl<'a> Port<'a> {
         (tag, upto): (Tag, Tag),
         state: &mut S,
         flush: impl FnOnce(&mut S),
-    ) -> Result<Turn<'a>, Stopped> {
+    ) -> Result<TurnGuard<'a>, Stopped> {
         let waiter = self.waiter(tag.channel, state, flush, no_work::<S>);
         self.core.enter(tag, Waiter { keeps: upto < tag, ..waiter })
     }
@@ -95,11 +95,11 @@ impl<'a> Port<'a> {
     /// while this thread waits.
     pub fn meet<S>(
         self,
-        waiting: Waiting,
+        waiting: WaitingChannel,
         state: &mut S,
         flush: impl FnOnce(&mut S),
         work: impl Fn(&mut S, bool) -> bool,
-    ) -> Met<'a> {
+    ) -> MeetOutcome<'a> {
         let channel = waiting.tag.channel;
         self.core.meet(waiting, self.waiter(channel, state, flush, work))
     }
@@ -118,9 +118,9 @@ impl<'a> Port<'a> {
     /// Lets the operator choose the next kernel. `false`: there is no other kernel on this thread.
     pub fn pause_for_step(self) -> bool {
         match self.switch {
-            Switch::Thread => false,
-            Switch::Coroutine(yielder) => {
-                yielder.suspend(Pause::Step);
+            WaitMethod::Thread => false,
+            WaitMethod::Coroutine(yielder) => {
+                yielder.suspend(YieldReason::Step);
                 true
             }
         }
@@ -128,8 +128,8 @@ impl<'a> Port<'a> {
 
     /// Lets the merger on this thread pass on the events that the kernel has sent.
     pub fn pass_on(self) {
-        if let Switch::Coroutine(yielder) = self.switch {
-            yielder.suspend(Pause::Question);
+        if let WaitMethod::Coroutine(yielder) = self.switch {
+            yielder.suspend(YieldReason::Question);
         }
     }
 
@@ -137,12 +137,12 @@ impl<'a> Port<'a> {
     /// no other kernel can continue either: then no chunk would ever come back.
     pub fn wait_chunk(self, tag: Tag, feeder: &mut Feeder) -> Chunk {
         self.core.away(tag, || match self.switch {
-            Switch::Thread => feeder.wait_back(),
-            Switch::Coroutine(yielder) => {
+            WaitMethod::Thread => feeder.wait_back(),
+            WaitMethod::Coroutine(yielder) => {
                 if let Some(chunk) = feeder.try_back() {
                     return chunk;
                 }
-                yielder.suspend(Pause::Chunk);
+                yielder.suspend(YieldReason::Chunk);
                 feeder.try_back().unwrap_or_else(|| feeder.advance())
             }
         })

@@ -6,21 +6,21 @@
 use std::ops::{Deref, DerefMut};
 
 use super::locks::atomic::Ordering::SeqCst;
-use super::switch::Switch;
+use super::switch::WaitMethod;
 use super::{Coordinator, Guard, Stopped};
-use crate::merge::Message;
-use crate::order::{Order, Status, Wake};
+use crate::merge::MergerMessage;
+use crate::order::{KernelStatus, Order, Wake};
 use crate::tag::Tag;
-use crate::wait::Waiting;
+use crate::wait::WaitingChannel;
 
 /// The order while a kernel has its turn, which ends when this is dropped.
-pub struct Turn<'a> {
+pub struct TurnGuard<'a> {
     coordinator: &'a Coordinator,
     channel: u16,
     inner: Guard<'a>,
 }
 
-impl Deref for Turn<'_> {
+impl Deref for TurnGuard<'_> {
     type Target = Order;
 
     fn deref(&self) -> &Order {
@@ -28,13 +28,13 @@ impl Deref for Turn<'_> {
     }
 }
 
-impl DerefMut for Turn<'_> {
+impl DerefMut for TurnGuard<'_> {
     fn deref_mut(&mut self) -> &mut Order {
         &mut self.inner.order
     }
 }
 
-impl Drop for Turn<'_> {
+impl Drop for TurnGuard<'_> {
     fn drop(&mut self) {
         self.inner.order.leave(self.channel);
         // No kernel waits for the turn of the only kernel.
@@ -45,17 +45,17 @@ impl Drop for Turn<'_> {
 }
 
 /// The outcome of an arrival.
-pub enum Met<'a> {
+pub enum MeetOutcome<'a> {
     /// The wait is over.
     Woken(Wake),
     /// The arrival concerns more than shared state (an alarm, a verdict): the kernel carries it out itself.
-    Turn(Turn<'a>),
+    Turn(TurnGuard<'a>),
 }
 
 /// A kernel that waits.
 pub(super) struct Waiter<'s, S, F, W> {
     pub(super) channel: u16,
-    pub(super) switch: Switch<'s>,
+    pub(super) switch: WaitMethod<'s>,
     /// Keeps events back that are before its request.
     pub(super) keeps: bool,
     /// The operand of the next two.
@@ -75,16 +75,16 @@ impl Coordinator {
         &self,
         tag: Tag,
         waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
-    ) -> Result<Turn<'_>, Stopped> {
+    ) -> Result<TurnGuard<'_>, Stopped> {
         let mut inner = self.lock();
         if self.is_single() {
             let comes = inner.order.take_turn(tag);
-            return if comes { Ok(Turn { coordinator: self, channel: tag.channel, inner }) } else { Err(Stopped) };
+            return if comes { Ok(TurnGuard { coordinator: self, channel: tag.channel, inner }) } else { Err(Stopped) };
         }
         inner.order.request(tag, None);
         self.settle(&mut inner);
         match self.wake(inner, waiter) {
-            (inner, Wake::Turn) => Ok(Turn { coordinator: self, channel: tag.channel, inner }),
+            (inner, Wake::Turn) => Ok(TurnGuard { coordinator: self, channel: tag.channel, inner }),
             _ => Err(Stopped),
         }
     }
@@ -92,16 +92,16 @@ impl Coordinator {
     /// Arrives at a wait, and waits until the wait is over or the kernel has to execute its arrival itself.
     pub(super) fn meet<S>(
         &self,
-        waiting: Waiting,
+        waiting: WaitingChannel,
         waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
-    ) -> Met<'_> {
+    ) -> MeetOutcome<'_> {
         let mut inner = self.lock();
         let tag = waiting.tag;
         inner.order.request(tag, Some(waiting));
         self.settle(&mut inner);
         match self.wake(inner, waiter) {
-            (inner, Wake::Turn) => Met::Turn(Turn { coordinator: self, channel: tag.channel, inner }),
-            (_, wake) => Met::Woken(wake),
+            (inner, Wake::Turn) => MeetOutcome::Turn(TurnGuard { coordinator: self, channel: tag.channel, inner }),
+            (_, wake) => MeetOutcome::Woken(wake),
         }
     }
 
@@ -145,7 +145,7 @@ impl Coordinator {
         loop {
             if let Some(wake) = inner.order.take_wake(channel) {
                 if told {
-                    inner.send(Message::Awake(channel));
+                    inner.send(MergerMessage::Awake(channel));
                 }
                 if let Some(flushed) = inner.flushed.get_mut(index) {
                     *flushed = false;
@@ -158,12 +158,12 @@ impl Coordinator {
             }
             if let Some(flushed) = inner.flushed.get_mut(index)
                 && !std::mem::replace(flushed, true)
-                && inner.order.status(channel) == Status::Blocked
+                && inner.order.status(channel) == KernelStatus::Blocked
             {
                 self.stream_blocked(&mut inner, channel);
             }
             if keeps && !std::mem::replace(&mut told, true) {
-                inner.send(Message::Asleep(channel));
+                inner.send(MergerMessage::Asleep(channel));
             }
             if self.limited && !gave_permit {
                 gave_permit = true;

@@ -2,7 +2,7 @@
 //!
 //! Invariant: only where no other kernel of the job is ever going to run.
 
-use super::{Order, Status};
+use super::{KernelStatus, Order};
 use crate::tag::Tag;
 
 impl Order {
@@ -12,7 +12,7 @@ impl Order {
             return false;
         }
         if let Some(seat) = self.seat(tag.channel) {
-            seat.status = Status::Running;
+            seat.status = KernelStatus::Running;
             seat.bound = seat.bound.max(tag.t);
         }
         (self.now, self.acting) = (tag, Some(tag.channel));

@@ -1,16 +1,16 @@
 //! Arrivals at waits, and the verdict on waits that never end.
 
-use counterpoint_event::event::{Member, Verdict, VerdictKind};
+use counterpoint_event::event::{Verdict, VerdictKind, VerdictMember};
 use counterpoint_event::info::Info;
 
 use super::{Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
-use crate::wait::{Act, Finish, Key, Set, Terminal, Waiting};
-use crate::waits::{Arrival, RefusedPairs, Short};
+use crate::wait::{ChannelSet, Finish, Terminal, WaitMark, WaitOp, WaitingChannel};
+use crate::waits::{ArrivalOutcome, RefusedPairs, ShortfallReason};
 
 /// The effect of the arrival on the arriving kernel.
-pub enum After {
+pub enum ArrivalReply {
     /// It continues at once.
     Go {
         /// Time of the release, ns.
@@ -20,7 +20,7 @@ pub enum After {
         /// Number of the sync point.
         sync_point: u64,
         /// Why a partner of a count did not come.
-        short: Option<Short>,
+        short: Option<ShortfallReason>,
     },
     /// It waits, with the verdict if no wait can end any more.
     Stand(Option<Verdict>),
@@ -41,11 +41,11 @@ pub enum After {
 impl Order {
     /// The verdict on the channels that can never continue, if that is new of some of them.
     pub fn judge(&mut self, t: i64, info: &Info) -> Option<Verdict> {
-        let dead = Set(self.waits.dead().0 & !self.judged.0);
+        let dead = ChannelSet(self.waits.dead().0 & !self.judged.0);
         if dead.is_empty() {
             return None;
         }
-        self.judged = Set(self.judged.0 | dead.0);
+        self.judged = ChannelSet(self.judged.0 | dead.0);
         if verdict::depends_on_order(dead, &self.waits) {
             return None;
         }
@@ -57,21 +57,26 @@ impl Order {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn take(&mut self, tag: Tag, key: Key) -> Result<Option<After>, String> {
-        self.act(tag, Act::Take(key))?;
+    pub fn take(&mut self, tag: Tag, key: WaitMark) -> Result<Option<ArrivalReply>, String> {
+        self.act(tag, WaitOp::Take(key))?;
         let end = self.waits.lease(key).1.map(|moved| moved.end_ns).filter(|end| *end > tag.t);
         Ok(end.map(|t| {
             self.sync_points += 1;
-            After::Go { t, micro: 0, sync_point: self.sync_points, short: None }
+            ArrivalReply::Go { t, micro: 0, sync_point: self.sync_points, short: None }
         }))
     }
 
-    /// A channel arrives before it has come to rest: unless [`After::Go`] lets it continue, it runs on until it
+    /// A channel arrives before it has come to rest: unless [`ArrivalReply::Go`] lets it continue, it runs on until it
     /// [`stops`](Self::stops).
-    pub fn arrive_in_motion(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
+    pub fn arrive_in_motion(
+        &mut self,
+        waiting: WaitingChannel,
+        own: Finish,
+        info: &Info,
+    ) -> (ArrivalReply, Option<String>) {
         self.moving = self.moving.with(waiting.tag.channel);
         let (after, warning) = self.arrive(waiting, own, info);
-        if !matches!(after, After::Stand(_)) {
+        if !matches!(after, ArrivalReply::Stand(_)) {
             self.moving = self.moving.without(waiting.tag.channel);
         }
         (after, warning)
@@ -93,28 +98,28 @@ impl Order {
     }
 
     /// Executes the arrival of a channel at a wait; returns the control's warnings.
-    pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
+    pub fn arrive(&mut self, waiting: WaitingChannel, own: Finish, info: &Info) -> (ArrivalReply, Option<String>) {
         let tag = waiting.tag;
         if let Some(races) = &mut self.races {
             races.arrive(tag.channel, &waiting.wait);
         }
         let arrived = self.waits.arrive(waiting);
         let after = match arrived.arrival {
-            Arrival::Released(released) => {
+            ArrivalOutcome::Released(released) => {
                 let sync_point = self.release(released, Some(tag.channel));
-                After::Go { t: released.t, micro: released.micro, sync_point, short: released.short }
+                ArrivalReply::Go { t: released.t, micro: released.micro, sync_point, short: released.short }
             }
-            Arrival::Blocked if self.moving.has(tag.channel) => After::Stand(None),
-            Arrival::Blocked => {
+            ArrivalOutcome::Blocked if self.moving.has(tag.channel) => ArrivalReply::Stand(None),
+            ArrivalOutcome::Blocked => {
                 let verdict = if self.waits.hopeful(tag.channel) { None } else { self.judge(tag.t, info) };
                 self.block(tag.channel);
-                After::Stand(verdict)
+                ArrivalReply::Stand(verdict)
             }
-            Arrival::Mismatch(refused) => {
+            ArrivalOutcome::Mismatch(refused) => {
                 let text = verdict::of_refused(&refused, &self.waits, info);
                 refuse(self, &refused, text, own)
             }
-            Arrival::Illegal { text } => After::Illegal { text },
+            ArrivalOutcome::Illegal { text } => ArrivalReply::Illegal { text },
         };
         self.release_all(arrived.others);
         let warning = arrived.warning.map(|refused| verdict::of_refused(&refused, &self.waits, info));
@@ -123,13 +128,13 @@ impl Order {
 }
 
 /// The control refuses to pair waits: all of them alarm.
-fn refuse(order: &mut Order, refused: &RefusedPairs, text: String, own: Finish) -> After {
+fn refuse(order: &mut Order, refused: &RefusedPairs, text: String, own: Finish) -> ArrivalReply {
     let (channels, arriving) = (refused.channels(), refused.arriving);
-    let member = |waiting: &Waiting| {
+    let member = |waiting: &WaitingChannel| {
         let waiting_for = channels.without(waiting.tag.channel).iter().collect();
-        Member { channel: waiting.tag.channel, file: waiting.file, line: waiting.line, waiting_for }
+        VerdictMember { channel: waiting.tag.channel, file: waiting.file, line: waiting.line, waiting_for }
     };
-    let mut members: Vec<Member> = refused.standing.iter().map(|(other, _)| member(other)).collect();
+    let mut members: Vec<VerdictMember> = refused.standing.iter().map(|(other, _)| member(other)).collect();
     members.sort_by_key(|member| member.channel);
     let Tag { t, micro, channel } = arriving.tag;
     for member in &members {
@@ -142,5 +147,5 @@ fn refuse(order: &mut Order, refused: &RefusedPairs, text: String, own: Finish) 
     members.push(member(&arriving));
     members.sort_by_key(|member| member.channel);
     let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: t, text: text.clone().into(), members };
-    After::Alarm { text, verdict }
+    ArrivalReply::Alarm { text, verdict }
 }

@@ -7,17 +7,17 @@
 use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
 
-use super::arrive::After;
-use super::spin::{self, Lap};
+use super::arrive::ArrivalReply;
+use super::spin::{self, LoopPass};
 use super::*;
-use crate::testing::{Deed, info, listening, program, wait, waits};
+use crate::testing::{ScriptedWaitOp, info, listening, program, wait, waits};
 use crate::wait::{Finish, Terminal};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 use counterpoint_event::event::Verdict;
 
 /// A step of a script.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Op {
+enum ScriptStep {
     /// Blocks that take this time.
     Run(i64),
     /// An operation on shared state.
@@ -31,7 +31,7 @@ enum Op {
     /// A wait for a signal with this number from any channel to all channels.
     Listen(u32),
     /// Something done for others, with this number.
-    Do(Deed, u32),
+    Do(ScriptedWaitOp, u32),
     /// The end of a program; the script continues when another kernel starts the next one.
     Rest,
     /// Starts this kernel.
@@ -48,18 +48,18 @@ enum Op {
     End,
 }
 
-use Deed::{Call, Clear, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, End, Halt, Listen, Pass, Poll, Rest, Run, Stop, Write};
+use ScriptStep::{Act, At, Away, Begin, Do, End, Halt, Listen, Pass, Poll, Rest, Run, Stop, Write};
+use ScriptedWaitOp::{Call, Clear, Free, Remove, Send, Set, Share};
 
 /// Next step of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Next {
+enum ScriptPhase {
     /// Its script.
     Script,
     /// It has published its bound and looks at the need.
     LookAtNeed,
     /// It waits for an answer to this.
-    Answer(Op),
+    Answer(ScriptStep),
     /// It is away.
     Return,
     Ended,
@@ -67,8 +67,8 @@ enum Next {
 
 #[derive(Debug, Clone)]
 struct Player {
-    script: Vec<Op>,
-    next: Next,
+    script: Vec<ScriptStep>,
+    next: ScriptPhase,
     /// Time and microstep.
     clock: (i64, u32),
     bound: i64,
@@ -96,25 +96,25 @@ struct World {
     heard: Vec<i64>,
     locked: Option<Locked>,
     /// Operations as they were executed.
-    log: Vec<(Tag, Op)>,
+    log: Vec<(Tag, ScriptStep)>,
     /// The verdicts, and when they were given.
     verdicts: Vec<String>,
 }
 
 impl World {
-    fn new(scripts: &[&[Op]]) -> Self {
+    fn new(scripts: &[&[ScriptStep]]) -> Self {
         let count = scripts.len() as u16;
         let channels = Channels::new(1..=count);
-        let player = |script: &&[Op]| Player {
+        let player = |script: &&[ScriptStep]| Player {
             script: script.iter().rev().copied().collect(),
-            next: Next::Script,
+            next: ScriptPhase::Script,
             clock: (0, 0),
             bound: 0,
             need: i64::MAX,
             begun: None,
             fate: "",
         };
-        let mut order = Order::new(channels, Shared::default(), waits(count));
+        let mut order = Order::new(channels, SharedState::default(), waits(count));
         (1..=count).for_each(|channel| order.preselect(channel, program()));
         Self {
             order,
@@ -131,14 +131,14 @@ impl World {
         Tag { t, micro, channel: index as u16 + 1 }
     }
 
-    fn waiting(&self, index: usize, op: Op) -> Option<Waiting> {
+    fn waiting(&self, index: usize, op: ScriptStep) -> Option<WaitingChannel> {
         let channels = self.players.len() as u16;
         let wait = match op {
             At(primitive, number) | Pass(primitive, number) => wait(primitive, number, channels),
             Listen(number) => listening(number, channels),
             _ => return None,
         };
-        Some(Waiting { wait, tag: self.tag(index), file: 0, line: 0 })
+        Some(WaitingChannel { wait, tag: self.tag(index), file: 0, line: 0 })
     }
 
     /// Steps that can be taken now.
@@ -149,12 +149,12 @@ impl World {
             let player = &self.players[index];
             let woken = self.order.seats[index].wake.is_some();
             match player.next {
-                Next::Ended => false,
-                Next::Answer(_) => self.locked.is_none() && woken,
-                Next::Script => self.locked.is_none() || matches!(player.script.last(), Some(Run(_))),
+                ScriptPhase::Ended => false,
+                ScriptPhase::Answer(_) => self.locked.is_none() && woken,
+                ScriptPhase::Script => self.locked.is_none() || matches!(player.script.last(), Some(Run(_))),
 
-                Next::LookAtNeed => self.locked.is_none() || player.bound <= player.need,
-                Next::Return => self.locked.is_none(),
+                ScriptPhase::LookAtNeed => self.locked.is_none() || player.bound <= player.need,
+                ScriptPhase::Return => self.locked.is_none(),
             }
         }));
         choices
@@ -198,7 +198,7 @@ impl World {
 
     fn apply(&mut self) {
         for effect in self.order.effects() {
-            if let Effect::Bound(channel, t) = effect {
+            if let OrderEffect::Bound(channel, t) = effect {
                 let player = &mut self.players[usize::from(channel) - 1];
                 if player.bound == BLOCKED {
                     player.need = i64::MAX;
@@ -212,39 +212,39 @@ impl World {
         let (tag, channel) = (self.tag(index), index as u16 + 1);
         let player = &mut self.players[index];
         match player.next {
-            Next::Script => match player.script.pop().unwrap_or(End) {
+            ScriptPhase::Script => match player.script.pop().unwrap_or(End) {
                 Run(time) => {
                     player.clock = (player.clock.0 + time, 0);
                     player.bound = player.clock.0;
-                    player.next = Next::LookAtNeed;
+                    player.next = ScriptPhase::LookAtNeed;
                 }
                 Away => {
-                    player.next = Next::Return;
+                    player.next = ScriptPhase::Return;
                     self.order.away(tag);
                     self.settle();
                 }
                 op => {
-                    player.next = Next::Answer(op);
+                    player.next = ScriptPhase::Answer(op);
                     let arriving = self.waiting(index, op).filter(|_| !matches!(op, Pass(..)));
                     let tag = if op == Halt { Tag { micro: u32::MAX, ..tag } } else { tag };
                     self.order.request(tag, arriving);
                     self.settle();
                 }
             },
-            Next::LookAtNeed => {
-                player.next = Next::Script;
+            ScriptPhase::LookAtNeed => {
+                player.next = ScriptPhase::Script;
                 if player.bound > player.need {
                     player.need = i64::MAX;
                     self.settle();
                 }
             }
-            Next::Return => {
-                player.next = Next::Script;
+            ScriptPhase::Return => {
+                player.next = ScriptPhase::Script;
                 self.order.back(channel);
                 self.settle();
             }
-            Next::Answer(op) => {
-                player.next = Next::Script;
+            ScriptPhase::Answer(op) => {
+                player.next = ScriptPhase::Script;
                 match self.order.take_wake(channel).unwrap() {
                     Wake::Turn => self.act(index, op),
                     Wake::Released { tag, .. } | Wake::Started { tag, .. } => {
@@ -259,11 +259,11 @@ impl World {
                     Wake::Stopped => self.end(index, "stopped", None),
                 }
             }
-            Next::Ended => {}
+            ScriptPhase::Ended => {}
         }
     }
 
-    fn act(&mut self, index: usize, op: Op) {
+    fn act(&mut self, index: usize, op: ScriptStep) {
         let (tag, channel) = (self.tag(index), index as u16 + 1);
         if !matches!(op, Poll(_) | Halt) {
             self.log.push((tag, op));
@@ -278,16 +278,16 @@ impl World {
                 (self.players[index].begun, self.players[index].clock.1) = (None, tag.micro + 1);
             }
             Poll(_) => {
-                let lap = Lap { file: 0, lines: (1, 2), count: 1, reads: 1 };
+                let lap = LoopPass { file: 0, lines: (1, 2), count: 1, reads: 1 };
                 let begun = self.players[index].begun;
                 match self.order.lap(tag, lap, begun, &"#100".into(), Some(2)) {
-                    spin::After::Pass(changes) => {
+                    spin::PassOutcome::Pass(changes) => {
                         let player = &mut self.players[index];
                         player.begun = Some(changes);
                         player.script.extend([op, Run(2)]);
                     }
-                    spin::After::Rest => self.players[index].next = Next::Answer(op),
-                    spin::After::Hopeless => {
+                    spin::PassOutcome::Rest => self.players[index].next = ScriptPhase::Answer(op),
+                    spin::PassOutcome::Hopeless => {
                         self.verdicts.push(format!("{tag:?} hopeless"));
                         self.order.stop(tag);
                         return self.end(index, "hopeless", None);
@@ -306,7 +306,7 @@ impl World {
                 self.players[index].clock.1 += 1;
             }
             Begin(other) => {
-                if self.order.start(tag, crate::wait::Set::default().with(other)).is_err() {
+                if self.order.start(tag, crate::wait::ChannelSet::default().with(other)).is_err() {
                     return self.end(index, "alarm", Some(Terminal::Alarmed));
                 }
                 self.players[index].clock.1 += 1;
@@ -315,16 +315,16 @@ impl World {
                 self.order.finish(tag, Finish { how: Terminal::Ended, file: 0, line: 0 });
                 self.order.rest_idle(channel);
                 let verdict = self.order.judge(tag.t, &info());
-                self.players[index].next = Next::Answer(op);
+                self.players[index].next = ScriptPhase::Answer(op);
                 self.judged(verdict);
             }
             Pass(..) => {
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                 let Some(waiting) = self.waiting(index, op) else { return };
                 match self.order.arrive_in_motion(waiting, own, &info()).0 {
-                    After::Go { t, .. } => self.moves_on(index, t),
-                    After::Stand(_) => self.players[index].script.push(Halt),
-                    After::Alarm { .. } | After::Illegal { .. } => {
+                    ArrivalReply::Go { t, .. } => self.moves_on(index, t),
+                    ArrivalReply::Stand(_) => self.players[index].script.push(Halt),
+                    ArrivalReply::Alarm { .. } | ArrivalReply::Illegal { .. } => {
                         return self.end(index, "alarm", Some(Terminal::Alarmed));
                     }
                 }
@@ -333,7 +333,7 @@ impl World {
                 Ok(Wake::Released { tag, .. }) => self.moves_on(index, tag.t),
                 Ok(_) => return self.end(index, "alarm", None),
                 Err(verdict) => {
-                    self.players[index].next = Next::Answer(op);
+                    self.players[index].next = ScriptPhase::Answer(op);
                     self.judged(verdict);
                 }
             },
@@ -341,16 +341,16 @@ impl World {
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                 let Some(waiting) = self.waiting(index, op) else { return };
                 match self.order.arrive(waiting, own, &info()).0 {
-                    After::Go { t, micro, .. } => self.players[index].clock = (t, micro),
-                    After::Stand(verdict) => {
-                        self.players[index].next = Next::Answer(op);
+                    ArrivalReply::Go { t, micro, .. } => self.players[index].clock = (t, micro),
+                    ArrivalReply::Stand(verdict) => {
+                        self.players[index].next = ScriptPhase::Answer(op);
                         self.judged(verdict);
                     }
-                    After::Alarm { verdict, .. } => {
+                    ArrivalReply::Alarm { verdict, .. } => {
                         self.judged(Some(verdict));
                         return self.end(index, "alarm", None);
                     }
-                    After::Illegal { .. } => return self.end(index, "alarm", Some(Terminal::Alarmed)),
+                    ArrivalReply::Illegal { .. } => return self.end(index, "alarm", Some(Terminal::Alarmed)),
                 }
             }
             End => {
@@ -373,7 +373,7 @@ impl World {
 
     fn end(&mut self, index: usize, fate: &'static str, how: Option<Terminal>) {
         let channel = index as u16 + 1;
-        (self.players[index].next, self.players[index].fate) = (Next::Ended, fate);
+        (self.players[index].next, self.players[index].fate) = (ScriptPhase::Ended, fate);
         if let Some(how) = how {
             self.order.waits.finish(channel, Finish { how, file: 0, line: 0 });
         }
@@ -405,7 +405,7 @@ impl World {
 }
 
 /// Tries out all schedules; returns the outcomes and how many states there are.
-fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
+fn explore(scripts: &[&[ScriptStep]]) -> (BTreeSet<String>, usize) {
     let (mut seen, mut outcomes) = (HashSet::new(), BTreeSet::new());
     let mut open = vec![World::new(scripts)];
     while let Some(world) = open.pop() {
@@ -414,7 +414,7 @@ fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
         }
         let choices = world.choices();
         if choices.is_empty() {
-            let sleeps = world.players.iter().any(|player| player.next != Next::Ended);
+            let sleeps = world.players.iter().any(|player| player.next != ScriptPhase::Ended);
             assert!(!sleeps, "somebody sleeps for ever: {scripts:?}\n{world:#?}");
             let sorted = world.log.is_sorted_by(|(one, _), (two, _)| one < two);
             assert!(sorted, "not in order: {scripts:?}\n{:?}", world.log);
@@ -429,10 +429,10 @@ fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
     (outcomes, seen.len())
 }
 
-fn one_outcome(scripts: &[&[Op]]) {
+fn one_outcome(scripts: &[&[ScriptStep]]) {
     let (outcomes, states) = explore(scripts);
     assert!(states > 1);
-    let stops = |op: &Op| matches!(op, Stop | Poll(_));
+    let stops = |op: &ScriptStep| matches!(op, Stop | Poll(_));
     if !scripts.iter().any(|script| script.iter().any(stops)) {
         assert_eq!(outcomes.len(), 1, "{scripts:?}\n{outcomes:#?}");
         return;
@@ -444,8 +444,8 @@ fn one_outcome(scripts: &[&[Op]]) {
 }
 
 /// All pairs of scripts of two of these steps.
-fn pairs<const N: usize>(steps: [Op; N]) {
-    let scripts: Vec<[Op; 2]> = steps.iter().flat_map(|&one| steps.map(|two| [one, two])).collect();
+fn pairs<const N: usize>(steps: [ScriptStep; N]) {
+    let scripts: Vec<[ScriptStep; 2]> = steps.iter().flat_map(|&one| steps.map(|two| [one, two])).collect();
     for one in &scripts {
         for two in &scripts {
             one_outcome(&[one, two]);

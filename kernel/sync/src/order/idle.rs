@@ -9,11 +9,11 @@ use counterpoint_event::FileId;
 
 use super::{Order, Wake};
 use crate::tag::Tag;
-use crate::wait::Set;
+use crate::wait::ChannelSet;
 
 /// A program that a channel can be started with.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Program {
+pub struct StartableProgram {
     /// Its file.
     pub file: FileId,
     /// First and last line.
@@ -30,7 +30,7 @@ impl Order {
     }
 
     /// The program of a channel for its next start, if it is idle; before the kernels run, of any channel.
-    pub fn preselect(&mut self, channel: u16, program: Program) {
+    pub fn preselect(&mut self, channel: u16, program: StartableProgram) {
         if let Some(seat) = self.seat(channel) {
             seat.program = Some(program);
         }
@@ -40,7 +40,7 @@ impl Order {
     ///
     /// # Errors
     /// Why it cannot be selected.
-    pub fn select(&mut self, channel: u16, program: Option<Program>) -> Result<(), String> {
+    pub fn select(&mut self, channel: u16, program: Option<StartableProgram>) -> Result<(), String> {
         self.can_start(channel)?;
         if let Some(seat) = self.seat(channel) {
             seat.program = program;
@@ -52,7 +52,7 @@ impl Order {
     ///
     /// # Errors
     /// Why one of them cannot be started; then none is.
-    pub fn start(&mut self, tag: Tag, channels: Set) -> Result<(), String> {
+    pub fn start(&mut self, tag: Tag, channels: ChannelSet) -> Result<(), String> {
         let mut programs = Vec::new();
         for channel in channels.iter() {
             self.can_start(channel)?;

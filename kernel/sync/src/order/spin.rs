@@ -10,16 +10,16 @@
 use std::sync::Arc;
 
 use counterpoint_event::FileId;
-use counterpoint_event::event::Member;
+use counterpoint_event::event::VerdictMember;
 use counterpoint_event::info::Info;
 
-use super::{BLOCKED, Order, Status, Wake};
+use super::{BLOCKED, KernelStatus, Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
 
 /// A pass of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lap {
+pub struct LoopPass {
     /// File of the loop.
     pub file: FileId,
     /// First line, and the line of the jump back.
@@ -33,7 +33,7 @@ pub struct Lap {
 /// A loop that cannot end by itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Spin {
-    lap: Lap,
+    lap: LoopPass,
     /// The variables that it reads.
     names: Arc<str>,
     /// Number of changes of shared data before it.
@@ -67,7 +67,7 @@ impl Nap {
 
 /// Next action of a channel after a pass that has only read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum After {
+pub enum PassOutcome {
     /// The next pass; this many changes there are until now.
     Pass(u64),
     /// Every pass is like this one until another channel does something: it waits for [`Wake::Roused`].
@@ -86,25 +86,36 @@ impl Order {
     /// A pass of the channel that acts ends and has only read; `begun` has the changes at its start if the channel is
     /// in the same state as then. `every`: the pass has read at one instant, and so long after it, ns, the next one
     /// begins.
-    pub fn lap(&mut self, tag: Tag, lap: Lap, begun: Option<u64>, names: &Arc<str>, every: Option<i64>) -> After {
+    pub fn lap(
+        &mut self,
+        tag: Tag,
+        lap: LoopPass,
+        begun: Option<u64>,
+        names: &Arc<str>,
+        every: Option<i64>,
+    ) -> PassOutcome {
         let (changes, channel) = (self.changes, tag.channel);
         if begun != Some(changes) {
-            return After::Pass(changes);
+            return PassOutcome::Pass(changes);
         }
         if let Some(seat) = self.seat(channel) {
             seat.spin = Some(Spin { lap, names: Arc::clone(names), changes });
         }
-        let left = |seat: &super::Seat| !matches!(seat.status, Status::Blocked | Status::Done) && !self.spins(seat);
+        let left = |seat: &super::Seat| {
+            !matches!(seat.status, KernelStatus::Blocked | KernelStatus::Done) && !self.spins(seat)
+        };
         if !self.seats.iter().any(left) {
-            return After::Hopeless;
+            return PassOutcome::Hopeless;
         }
-        let (Some(every), None) = (every.filter(|every| *every > 0), self.stop) else { return After::Pass(changes) };
-        self.rest(channel, Status::Blocked, BLOCKED);
+        let (Some(every), None) = (every.filter(|every| *every > 0), self.stop) else {
+            return PassOutcome::Pass(changes);
+        };
+        self.rest(channel, KernelStatus::Blocked, BLOCKED);
         if let Some(seat) = self.seat(channel) {
             seat.nap = Some(Nap { from: tag.t, every });
         }
         self.napping = self.napping.with(channel);
-        After::Rest
+        PassOutcome::Rest
     }
 
     /// The channel that acts has done something that may end loops of others.
@@ -123,9 +134,9 @@ impl Order {
     }
 
     /// The variable that a channel polls, and the place, if the channel is in a loop that cannot end by itself.
-    pub fn polling(&self, channel: u16, info: &Info) -> Option<(String, Member)> {
+    pub fn polling(&self, channel: u16, info: &Info) -> Option<(String, VerdictMember)> {
         let seat = self.seats.get(self.channels.index(channel))?;
-        let running = seat.nap.is_some() || !matches!(seat.status, Status::Blocked | Status::Done);
+        let running = seat.nap.is_some() || !matches!(seat.status, KernelStatus::Blocked | KernelStatus::Done);
         let Spin { lap, names, .. } = seat.spin.as_ref().filter(|_| running && self.spins(seat))?;
         let (first, last) = lap.lines;
         let left_out = seat.nap.map_or(0, |nap| nap.count(self.now, channel));
@@ -135,7 +146,7 @@ impl Order {
             lap.count + left_out,
             info.place_name(lap.file, last)
         );
-        Some((text, Member { channel, file: lap.file, line: first, waiting_for: Vec::new() }))
+        Some((text, VerdictMember { channel, file: lap.file, line: first, waiting_for: Vec::new() }))
     }
 }
 
@@ -143,13 +154,13 @@ impl Order {
 mod tests {
     use super::*;
     use crate::channels::Channels;
-    use crate::shared::Shared;
+    use crate::shared::SharedState;
     use crate::testing::{info, waits};
 
-    const LAP: Lap = Lap { file: 0, lines: (2, 3), count: 5, reads: 1 };
+    const LAP: LoopPass = LoopPass { file: 0, lines: (2, 3), count: 5, reads: 1 };
 
     fn order() -> Order {
-        Order::new(Channels::new(1..=3), Shared::default(), waits(3))
+        Order::new(Channels::new(1..=3), SharedState::default(), waits(3))
     }
 
     const TICK: i64 = 1_000_000;
@@ -159,13 +170,13 @@ mod tests {
     }
 
     fn lap(order: &mut Order, channel: u16, begun: u64) -> bool {
-        order.lap(tag(channel, 0), LAP, Some(begun), &"#100".into(), None) == After::Hopeless
+        order.lap(tag(channel, 0), LAP, Some(begun), &"#100".into(), None) == PassOutcome::Hopeless
     }
 
     #[test]
     fn all_that_run_are_hopeless_at_the_same_change() {
         let mut order = order();
-        assert_eq!(order.lap(tag(1, 0), LAP, None, &"#100".into(), None), After::Pass(0));
+        assert_eq!(order.lap(tag(1, 0), LAP, None, &"#100".into(), None), PassOutcome::Pass(0));
         assert!(!lap(&mut order, 1, 0));
         assert!(!lap(&mut order, 2, 0), "channel 3 may still write");
         order.block(3);
@@ -191,7 +202,7 @@ mod tests {
     fn roused(by: impl FnOnce(&mut Order), at: Tag) -> Option<Wake> {
         let mut order = order();
         let rests = order.lap(tag(2, 5 * TICK), LAP, Some(0), &"#100".into(), Some(TICK));
-        assert_eq!((rests, order.status(2)), (After::Rest, Status::Blocked));
+        assert_eq!((rests, order.status(2)), (PassOutcome::Rest, KernelStatus::Blocked));
         order.now = at;
         by(&mut order);
         order.take_wake(2)
@@ -221,7 +232,7 @@ mod tests {
         let lap = |order: &mut Order, own| order.lap(tag(own, 0), LAP, Some(0), &"#100".into(), Some(TICK));
         assert_eq!(
             [lap(&mut order, 1), lap(&mut order, 2), lap(&mut order, 3)],
-            [After::Rest, After::Rest, After::Hopeless]
+            [PassOutcome::Rest, PassOutcome::Rest, PassOutcome::Hopeless]
         );
         order.now = tag(3, 4 * TICK);
         assert!(order.polling(1, &info()).unwrap().0.contains("it looped 9 times"), "{:?}", order.polling(1, &info()));

@@ -7,24 +7,24 @@
 use std::collections::BTreeMap;
 
 use super::{MOST, Scene};
-use crate::wait::{Key, Missing, Set, Wait};
+use crate::wait::{ChannelSet, MissingChannels, Wait, WaitMark};
 
 /// By mark: the channels whose flag is set.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Flags(BTreeMap<Key, Set>);
+pub(super) struct FlagTable(BTreeMap<WaitMark, ChannelSet>);
 
-impl Flags {
+impl FlagTable {
     /// Why no flag of this mark can be set.
-    pub(super) fn illegal(&self, key: Key) -> Option<String> {
+    pub(super) fn illegal(&self, key: WaitMark) -> Option<String> {
         (self.0.len() >= MOST && !self.0.contains_key(&key)).then(|| format!("more than {MOST} marks are set"))
     }
 
-    pub(super) fn set(&mut self, channel: u16, key: Key) {
+    pub(super) fn set(&mut self, channel: u16, key: WaitMark) {
         let flags = self.0.entry(key).or_default();
         *flags = flags.with(channel);
     }
 
-    pub(super) fn clear(&mut self, channel: u16, key: Key) {
+    pub(super) fn clear(&mut self, channel: u16, key: WaitMark) {
         if let Some(flags) = self.0.get_mut(&key) {
             *flags = flags.without(channel);
             if flags.is_empty() {
@@ -34,9 +34,9 @@ impl Flags {
     }
 
     /// Participants whose flag is not set.
-    pub(super) fn missing(&self, channel: u16, wait: &Wait, scene: Scene<'_>) -> Missing {
+    pub(super) fn missing(&self, channel: u16, wait: &Wait, scene: Scene<'_>) -> MissingChannels {
         let set = self.0.get(&wait.key).copied().unwrap_or_default();
         let there = |other: u16| set.has(other) || scene.is_excused(other, wait);
-        Missing::all(wait.parts.without(channel).iter().filter(|&other| !there(other)).collect())
+        MissingChannels::all(wait.parts.without(channel).iter().filter(|&other| !there(other)).collect())
     }
 }

@@ -6,13 +6,13 @@
 use std::collections::BTreeMap;
 
 use super::Scene;
-use crate::wait::{Missing, Wait};
+use crate::wait::{MissingChannels, Wait};
 
 /// By family of marks and channel: the number that it has reached.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Reached(BTreeMap<(u16, u16), u32>);
+pub(super) struct ReachedNumbers(BTreeMap<(u16, u16), u32>);
 
-impl Reached {
+impl ReachedNumbers {
     fn of(&self, channel: u16, wait: &Wait) -> Option<u32> {
         self.0.get(&(wait.key.space, channel)).copied()
     }
@@ -28,8 +28,8 @@ impl Reached {
     }
 
     /// Participants that have not come so far.
-    pub(super) fn missing(&self, channel: u16, wait: &Wait, scene: Scene<'_>) -> Missing {
+    pub(super) fn missing(&self, channel: u16, wait: &Wait, scene: Scene<'_>) -> MissingChannels {
         let there = |other: u16| self.of(other, wait) >= Some(wait.key.number) || scene.is_excused(other, wait);
-        Missing::all(wait.parts.without(channel).iter().filter(|&other| !there(other)).collect())
+        MissingChannels::all(wait.parts.without(channel).iter().filter(|&other| !there(other)).collect())
     }
 }

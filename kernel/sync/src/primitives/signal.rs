@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use super::MOST;
-use crate::wait::{Key, Lasts, Marks, Missing, Send, Set, Wait};
+use crate::wait::{ChannelSet, Lasts, MarkRange, MissingChannels, Send, Wait, WaitMark};
 
 /// Sender of a signal to all channels.
 const ANYBODY: u16 = 0;
@@ -20,7 +20,7 @@ pub type Letter = Arc<[(u8, f64)]>;
 
 /// A signal of one sender for one receiver.
 #[derive(Debug, Clone)]
-struct Kept {
+struct PendingSignal {
     /// Which one of all that were sent.
     sent: u64,
     /// Waits that can still use it.
@@ -30,7 +30,7 @@ struct Kept {
 
 /// A signal that all receivers share.
 #[derive(Debug, Clone)]
-struct Open {
+struct BroadcastSignal {
     /// Waits that can still use it; none if it stays.
     left: Option<u32>,
     letter: Option<Letter>,
@@ -38,13 +38,13 @@ struct Open {
 
 /// By mark, receiver and sender, or by mark alone: unused signals.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Signals {
-    kept: BTreeMap<(Key, u16, u16), VecDeque<Kept>>,
-    open: BTreeMap<Key, VecDeque<Open>>,
+pub(super) struct PendingSignals {
+    kept: BTreeMap<(WaitMark, u16, u16), VecDeque<PendingSignal>>,
+    open: BTreeMap<WaitMark, VecDeque<BroadcastSignal>>,
     /// Channels at waits for any sender, by mark and in the order of their arrival.
-    queues: BTreeMap<Key, Vec<u16>>,
+    queues: BTreeMap<WaitMark, Vec<u16>>,
     /// Channels at waits for signals.
-    waiting: Set,
+    waiting: ChannelSet,
     /// Signals that were sent so far.
     sent: u64,
     /// Signals that are kept, if their number is limited.
@@ -59,7 +59,7 @@ fn takes_any(wait: &Wait) -> bool {
 }
 
 /// The channels whose signal a wait needs; a control may let a channel send one to itself.
-fn senders(channel: u16, wait: &Wait, to_itself: bool) -> Set {
+fn senders(channel: u16, wait: &Wait, to_itself: bool) -> ChannelSet {
     let others = wait.parts.without(channel);
     match wait.named {
         Some(named) if to_itself && named.has(channel) => others.with(channel),
@@ -67,7 +67,7 @@ fn senders(channel: u16, wait: &Wait, to_itself: bool) -> Set {
     }
 }
 
-impl Signals {
+impl PendingSignals {
     /// Sends one to each of these channels, or one to all channels; `limit` is the number of signals and waits that
     /// the control can keep.
     pub(super) fn send(
@@ -103,7 +103,7 @@ impl Signals {
         };
         if shared {
             let left = (lasts != Lasts::Always).then_some(left);
-            self.open.entry(key).or_default().push_back(Open { left, letter });
+            self.open.entry(key).or_default().push_back(BroadcastSignal { left, letter });
             return Ok(());
         }
         let sender = if broadcast { ANYBODY } else { channel };
@@ -112,7 +112,7 @@ impl Signals {
             match kept.back_mut().filter(|_| limit.is_none()) {
                 // Without a limit equal signals are only counted.
                 Some(last) => last.left = last.left.saturating_add(left),
-                None => kept.push_back(Kept { sent: self.sent, left, letter: letter.clone() }),
+                None => kept.push_back(PendingSignal { sent: self.sent, left, letter: letter.clone() }),
             }
         }
         Ok(())
@@ -127,17 +127,21 @@ impl Signals {
     }
 
     /// Senders whose signal has not come.
-    pub(super) fn missing(&self, channel: u16, wait: &Wait, to_itself: bool) -> Missing {
+    pub(super) fn missing(&self, channel: u16, wait: &Wait, to_itself: bool) -> MissingChannels {
         let has = |sender: u16| self.kept.contains_key(&(wait.key, channel, sender));
         if takes_any(wait) {
             let is_there = has(ANYBODY) || self.is_open(channel, wait.key);
-            return if is_there { Missing::default() } else { Missing::any(wait.parts.without(channel)) };
+            return if is_there {
+                MissingChannels::default()
+            } else {
+                MissingChannels::any(wait.parts.without(channel))
+            };
         }
-        Missing::all(senders(channel, wait, to_itself).iter().filter(|&sender| !has(sender)).collect())
+        MissingChannels::all(senders(channel, wait, to_itself).iter().filter(|&sender| !has(sender)).collect())
     }
 
     /// Whether a signal that all share is left for this channel, after those that have waited longer.
-    fn is_open(&self, channel: u16, key: Key) -> bool {
+    fn is_open(&self, channel: u16, key: WaitMark) -> bool {
         let Some(open) = self.open.get(&key) else { return false };
         let queue = self.queues.get(&key).map_or(&[][..], Vec::as_slice);
         let before = queue.iter().take_while(|other| **other != channel).count() as u64;
@@ -150,10 +154,10 @@ impl Signals {
         if takes_any(wait) {
             return None;
         }
-        let first = |key: Key, sender| Some(self.kept.get(&(key, channel, sender))?.front()?.sent);
+        let first = |key: WaitMark, sender| Some(self.kept.get(&(key, channel, sender))?.front()?.sent);
         senders(channel, wait, true).iter().find_map(|sender| {
             let awaited = first(wait.key, sender).unwrap_or(u64::MAX);
-            let own = |&&(key, to, from): &&(Key, u16, u16)| {
+            let own = |&&(key, to, from): &&(WaitMark, u16, u16)| {
                 to == channel && from == sender && key.space == wait.key.space && key != wait.key
             };
             let older = self.kept.keys().filter(own).find(|(key, ..)| first(*key, sender) < Some(awaited));
@@ -181,7 +185,7 @@ impl Signals {
     }
 
     /// A channel waits no longer.
-    pub(super) fn abandon(&mut self, channel: u16, key: Key) {
+    pub(super) fn abandon(&mut self, channel: u16, key: WaitMark) {
         self.waiting = self.waiting.without(channel);
         if let Some(queue) = self.queues.get_mut(&key) {
             queue.retain(|other| *other != channel);
@@ -197,7 +201,7 @@ impl Signals {
     }
 
     /// Uses the oldest signal of a sender once.
-    fn use_kept(&mut self, place: (Key, u16, u16)) -> Option<Letter> {
+    fn use_kept(&mut self, place: (WaitMark, u16, u16)) -> Option<Letter> {
         let kept = self.kept.get_mut(&place)?;
         let first = kept.front_mut()?;
         first.left = first.left.saturating_sub(1);
@@ -213,7 +217,7 @@ impl Signals {
     }
 
     /// Uses the oldest signal that all share once.
-    fn use_open(&mut self, key: Key) -> Option<Letter> {
+    fn use_open(&mut self, key: WaitMark) -> Option<Letter> {
         let open = self.open.get_mut(&key)?;
         let first = open.front_mut()?;
         let letter = first.letter.clone();
@@ -232,9 +236,9 @@ impl Signals {
 
     /// Removes unused signals: the oldest one, or all of a range of numbers; those of any sender to these channels,
     /// or those to all channels.
-    pub(super) fn remove(&mut self, range: Marks, to: Option<Set>) {
-        let Marks { space, first, last } = range;
-        let keys = Key { space, number: first }..=Key { space, number: last };
+    pub(super) fn remove(&mut self, range: MarkRange, to: Option<ChannelSet>) {
+        let MarkRange { space, first, last } = range;
+        let keys = WaitMark { space, number: first }..=WaitMark { space, number: last };
         let (mut kept, mut open) = (0, 0);
         if let Some(to) = to {
             for receiver in to.iter() {
@@ -252,8 +256,8 @@ impl Signals {
     }
 
     /// Removes the oldest signal of those at these places, or all of them if they have several numbers; how many.
-    fn remove_kept(&mut self, range: Marks, wanted: impl Fn(&(Key, u16, u16)) -> bool) -> usize {
-        let of_range = |key: &Key| key.space == range.space && (range.first..=range.last).contains(&key.number);
+    fn remove_kept(&mut self, range: MarkRange, wanted: impl Fn(&(WaitMark, u16, u16)) -> bool) -> usize {
+        let of_range = |key: &WaitMark| key.space == range.space && (range.first..=range.last).contains(&key.number);
         let places: Vec<_> = self.kept.keys().filter(|place| of_range(&place.0) && wanted(place)).copied().collect();
         let first = |place| self.kept.get(place).and_then(VecDeque::front).map(|kept| kept.sent);
         // A signal to all channels counts as one, although each receiver has its own.
@@ -277,25 +281,25 @@ mod tests {
     use super::*;
     use counterpoint_event::event::Primitive;
 
-    fn key(number: u32) -> Key {
-        Key { space: 0, number }
+    fn key(number: u32) -> WaitMark {
+        WaitMark { space: 0, number }
     }
 
     fn wait(number: u32, from: Option<&[u16]>) -> Wait {
         let named = from.map(|from| from.iter().copied().collect());
         let need = u16::from(from.is_none());
-        let parts = named.unwrap_or(Set::up_to(3));
+        let parts = named.unwrap_or(ChannelSet::up_to(3));
         Wait { primitive: Primitive::Signal, key: key(number), named, parts, need, rule: 0 }
     }
 
     fn send(number: u32, to: Option<&[u16]>, lasts: Lasts) -> Send {
         let broadcast = to.is_none();
-        let to = to.map_or(Set::up_to(3), |to| to.iter().copied().collect());
+        let to = to.map_or(ChannelSet::up_to(3), |to| to.iter().copied().collect());
         Send { key: key(number), to, broadcast, lasts }
     }
 
     /// Whether a wait is over at once; uses its signals.
-    fn takes(signals: &mut Signals, channel: u16, wait: &Wait) -> bool {
+    fn takes(signals: &mut PendingSignals, channel: u16, wait: &Wait) -> bool {
         let is = signals.missing(channel, wait, true).is_none();
         if is {
             signals.depart(channel, wait, true);
@@ -305,7 +309,7 @@ mod tests {
 
     #[test]
     fn each_receiver_uses_its_own() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         assert_eq!(signals.send(1, send(7, Some(&[2, 3]), Lasts::Each), None, Some(10)), Ok(()));
         assert_eq!(signals.send(1, send(7, None, Lasts::Each), None, Some(10)), Ok(()));
         assert_eq!(signals.count, 5, "two to named channels, three to everybody");
@@ -320,7 +324,7 @@ mod tests {
 
     #[test]
     fn signals_last_so_many_times_or_always() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         assert_eq!(signals.send(1, send(7, Some(&[2]), Lasts::Times(2)), None, Some(10)), Ok(()));
         let own = wait(7, Some(&[1]));
         assert_eq!([0; 3].map(|_| takes(&mut signals, 2, &own)), [true, true, false]);
@@ -334,7 +338,7 @@ mod tests {
 
     #[test]
     fn who_waits_longest_comes_first() {
-        let (mut signals, any) = (Signals::default(), wait(7, None));
+        let (mut signals, any) = (PendingSignals::default(), wait(7, None));
         signals.arrive(3, &any);
         signals.arrive(2, &any);
         assert_eq!(signals.send(1, send(7, None, Lasts::Times(1)), None, None), Ok(()));
@@ -347,7 +351,7 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_limited() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         signals.arrive(3, &wait(9, Some(&[1])));
         for number in 0..3 {
             assert_eq!(signals.send(1, send(number, Some(&[2]), Lasts::Each), None, Some(4)), Ok(()));
@@ -360,7 +364,7 @@ mod tests {
 
     #[test]
     fn an_older_signal_of_the_sender_is_found() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         for number in [4711, 9999] {
             assert_eq!(signals.send(1, send(number, Some(&[2]), Lasts::Each), None, Some(9)), Ok(()));
         }
@@ -372,14 +376,14 @@ mod tests {
 
     #[test]
     fn one_signal_or_a_range_is_removed() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         for _ in 0..2 {
             assert_eq!(signals.send(1, send(7, Some(&[2]), Lasts::Each), None, Some(99)), Ok(()));
             assert_eq!(signals.send(1, send(8, None, Lasts::Each), None, Some(99)), Ok(()));
             assert_eq!(signals.send(1, send(9, None, Lasts::Always), None, Some(99)), Ok(()));
         }
-        let range = |first, last| Marks { space: 0, first, last };
-        signals.remove(range(7, 7), Some(Set::up_to(2)));
+        let range = |first, last| MarkRange { space: 0, first, last };
+        signals.remove(range(7, 7), Some(ChannelSet::up_to(2)));
         assert_eq!([0; 2].map(|_| takes(&mut signals, 2, &wait(7, Some(&[1])))), [true, false]);
         signals.remove(range(8, 8), None);
         assert_eq!([0; 2].map(|_| takes(&mut signals, 3, &wait(8, None))), [true, false]);
@@ -392,7 +396,7 @@ mod tests {
 
     #[test]
     fn values_come_with_their_signal() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         let letter: Letter = [(0, 1000.0), (3, 2.5)].into();
         assert_eq!(signals.send(1, send(7, Some(&[2]), Lasts::Each), Some(letter.clone()), Some(9)), Ok(()));
         assert!(takes(&mut signals, 2, &wait(7, Some(&[1]))));
@@ -401,7 +405,7 @@ mod tests {
 
     #[test]
     fn a_channel_may_signal_itself_where_the_control_says_so() {
-        let mut signals = Signals::default();
+        let mut signals = PendingSignals::default();
         let own = wait(7, Some(&[2]));
         assert!(signals.missing(2, &own, false).is_none() && !signals.missing(2, &own, true).is_none());
         assert_eq!(signals.send(2, send(7, Some(&[2]), Lasts::Each), None, Some(9)), Ok(()));

@@ -7,16 +7,16 @@
 use counterpoint_event::event::{FileId, Primitive};
 use counterpoint_event::info::Info;
 
-use crate::wait::{Rule, Set, Style, Wait, Waiting};
-use crate::waits::Waits;
+use crate::wait::{ChannelSet, Wait, WaitNotation, WaitRule, WaitingChannel};
+use crate::waits::JobWaits;
 
 /// Lines of a program that are looked at in each direction.
 const MOST: u32 = 50_000;
 
 /// One hint for each pair of a waiting channel and one that is missing; of two that wait for each other, one.
-pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
+pub(super) fn hints(dead: ChannelSet, waits: &JobWaits, info: &Info) -> Vec<String> {
     let mut out = Vec::new();
-    let mut said = Set::default();
+    let mut said = ChannelSet::default();
     for channel in dead.iter() {
         let Some(own) = waits.places.at(channel).filter(|own| is_mark(own.wait.primitive)) else { continue };
         // Another code ends this wait: the code of the partner is not a typing error.
@@ -39,9 +39,9 @@ pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
 }
 
 /// The partner waits at the same number with other channels, or at another number with the same ones.
-fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
+fn standing(own: &WaitingChannel, partner: u16, waits: &JobWaits) -> Option<String> {
     let other = waits.places.at(partner).filter(|other| is_mark(other.wait.primitive))?;
-    let couples = |wait: &Wait| waits.rules.of(wait).is_some_and(|rule| rule.style == Style::Axes);
+    let couples = |wait: &Wait| waits.rules.of(wait).is_some_and(|rule| rule.style == WaitNotation::Axes);
     if couples(&own.wait) != couples(&other.wait) {
         return None;
     }
@@ -53,18 +53,18 @@ fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
 }
 
 /// The places where each of two channels with mismatched waits has the code at which the other channel waits.
-pub(super) fn of_pair(one: &Waiting, other: &Waiting, waits: &Waits, info: &Info) -> Vec<String> {
+pub(super) fn of_pair(one: &WaitingChannel, other: &WaitingChannel, waits: &JobWaits, info: &Info) -> Vec<String> {
     if one.wait.key == other.wait.key {
         return Vec::new();
     }
-    let hint = |own: &Waiting, partner: &Waiting| {
+    let hint = |own: &WaitingChannel, partner: &WaitingChannel| {
         written_from(own, partner.tag.channel, (partner.file, partner.line, true), (waits, info))
     };
     hint(one, other).into_iter().chain(hint(other, one)).collect()
 }
 
 /// The program of the partner has the mark somewhere else.
-fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<String> {
+fn written(own: &WaitingChannel, partner: u16, waits: &JobWaits, info: &Info) -> Option<String> {
     let stands = waits.places.at(partner).map(|at| (at.file, at.line));
     let waiting = stands.is_some();
     let (file, line) = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
@@ -73,10 +73,10 @@ fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<St
 
 /// The same, seen from a line of the partner, where it waits or has ended.
 fn written_from(
-    own: &Waiting,
+    own: &WaitingChannel,
     partner: u16,
     (file, line, is_waiting): (FileId, u32, bool),
-    (waits, info): (&Waits, &Info),
+    (waits, info): (&JobWaits, &Info),
 ) -> Option<String> {
     let rule = waits.rules.of(&own.wait)?;
     let channel = info.channel(partner).filter(|channel| !channel.program.is_empty())?;
@@ -103,9 +103,9 @@ fn written_from(
     let Some((line, side)) = found else {
         let code = if let Some(word) = &rule.signals.sent_by {
             format!("{word} [ID{}]", own.wait.key.number)
-        } else if rule.style == Style::Statement && rule.numbered {
+        } else if rule.style == WaitNotation::Statement && rule.numbered {
             format!("{}({},...)", rule.word, rule.marked(own.wait.key.number))
-        } else if matches!(rule.style, Style::LineUp | Style::Axes) || !rule.numbered {
+        } else if matches!(rule.style, WaitNotation::LineUp | WaitNotation::Axes) || !rule.numbered {
             waits.rules.text(&own.wait)
         } else {
             format!("{}{}", rule.word, own.wait.key.number)
@@ -118,7 +118,7 @@ fn written_from(
 }
 
 /// Whether a line has the mark of a wait, with any list of channels.
-fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
+fn mentions(line: &str, rule: &WaitRule, wait: &Wait) -> bool {
     let text = plain(line, rule.style);
     let word = rule.signals.sent_by.as_ref().unwrap_or(&rule.word).to_ascii_uppercase();
     if word.is_empty() {
@@ -136,18 +136,18 @@ fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
             || after.split_once('L').filter(|(systems, _)| systems.bytes().all(|b| b.is_ascii_digit() || b == b'!'));
         alone
             && match rule.style {
-                Style::Word if rule.numbered => number(after) == Some(wait.key.number),
-                Style::Word => true,
-                Style::Statement => {
+                WaitNotation::Word if rule.numbered => number(after) == Some(wait.key.number),
+                WaitNotation::Word => true,
+                WaitNotation::Statement => {
                     after.strip_prefix('(').is_some_and(|rest| !rule.numbered || number(rest) == Some(wait.key.number))
                 }
-                Style::LineUp => label().is_some_and(|(_, rest)| number(rest) == Some(wait.key.number)),
-                Style::Axes => {
+                WaitNotation::LineUp => label().is_some_and(|(_, rest)| number(rest) == Some(wait.key.number)),
+                WaitNotation::Axes => {
                     let value = |letter| after.split_once(letter).and_then(|(_, rest)| number(rest));
                     let (first, second) = (wait.key.number >> 15, wait.key.number & 0x7fff);
                     value('Q') == Some(second) && (first == 0 || value('P') == Some(first))
                 }
-                Style::Keys => {
+                WaitNotation::Keys => {
                     let keys = after.strip_prefix("SYN").unwrap_or(after).strip_prefix('[');
                     let id = keys.and_then(|keys| keys.split_once("ID")).map(|(_, rest)| rest);
                     id.is_some_and(|id| number(id.strip_prefix('=').unwrap_or(id)) == Some(wait.key.number))
@@ -157,15 +157,15 @@ fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
 }
 
 /// A line in capitals, without blanks and comments.
-fn plain(line: &str, style: Style) -> String {
-    let ends_at_semicolon = matches!(style, Style::Statement | Style::Keys);
+fn plain(line: &str, style: WaitNotation) -> String {
+    let ends_at_semicolon = matches!(style, WaitNotation::Statement | WaitNotation::Keys);
     let line = if ends_at_semicolon { line.split(';').next().unwrap_or_default() } else { line };
     let mut depth = 0_u32;
     let mut out = String::with_capacity(line.len());
     for c in line.chars().filter(|c| !c.is_whitespace()) {
         match c {
-            '(' if style != Style::Statement => depth += 1,
-            ')' if style != Style::Statement => depth = depth.saturating_sub(1),
+            '(' if style != WaitNotation::Statement => depth += 1,
+            ')' if style != WaitNotation::Statement => depth = depth.saturating_sub(1),
             _ if depth == 0 => out.push(c.to_ascii_uppercase()),
             _ => {}
         }
@@ -184,24 +184,24 @@ fn is_mark(primitive: Primitive) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wait::{Key, Signals};
+    use crate::wait::{SignalRules, WaitMark};
 
     #[test]
     fn marks_in_lines() {
         let wait = |number| Wait {
             primitive: Primitive::Barrier,
-            key: Key { space: 0, number },
+            key: WaitMark { space: 0, number },
             named: None,
-            parts: Set::up_to(2),
+            parts: ChannelSet::up_to(2),
             need: 0,
             rule: 0,
         };
-        let word = Rule::plain("M");
-        let statement = Rule { style: Style::Statement, ..Rule::plain("WAITM") };
-        let line_up = Rule { style: Style::LineUp, ..Rule::plain("!") };
-        let text = Rule { numbered: false, ..Rule::plain("SYNC") };
-        let signals = Signals { sent_by: Some("#SIGNAL".into()), ..Signals::default() };
-        let keys = Rule { style: Style::Keys, signals, ..Rule::plain("#WAIT") };
+        let word = WaitRule::plain("M");
+        let statement = WaitRule { style: WaitNotation::Statement, ..WaitRule::plain("WAITM") };
+        let line_up = WaitRule { style: WaitNotation::LineUp, ..WaitRule::plain("!") };
+        let text = WaitRule { numbered: false, ..WaitRule::plain("SYNC") };
+        let signals = SignalRules { sent_by: Some("#SIGNAL".into()), ..SignalRules::default() };
+        let keys = WaitRule { style: WaitNotation::Keys, signals, ..WaitRule::plain("#WAIT") };
         for (line, rule, number, has) in [
             ("N5 #SIGNAL [ID7 CH1 CH2]", &keys, 7, true),
             ("#signal syn [ CH=2 ID=7 ]", &keys, 7, true),

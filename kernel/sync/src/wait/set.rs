@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 /// Set of channels, bit `n − 1` for channel `n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Set(pub u128);
+pub struct ChannelSet(pub u128);
 
-impl Set {
+impl ChannelSet {
     /// All channels up to `count`.
     pub fn up_to(count: u16) -> Self {
         (1..=count).collect()
@@ -56,7 +56,7 @@ impl Set {
     }
 }
 
-impl FromIterator<u16> for Set {
+impl FromIterator<u16> for ChannelSet {
     fn from_iter<I: IntoIterator<Item = u16>>(channels: I) -> Self {
         channels.into_iter().fold(Self::default(), Self::with)
     }
@@ -82,10 +82,10 @@ mod tests {
 
     #[test]
     fn sets_hold_channels_1_to_128() {
-        let set: Set = [3, 1, 128, 0, 129].into_iter().collect();
+        let set: ChannelSet = [3, 1, 128, 0, 129].into_iter().collect();
         assert_eq!(set.iter().collect::<Vec<_>>(), [1, 3, 128]);
         assert!(set.has(128) && !set.has(0) && !set.has(129) && set.count() == 3);
-        assert_eq!(set.without(3).without(0).and(Set::up_to(5)), Set::up_to(1));
+        assert_eq!(set.without(3).without(0).and(ChannelSet::up_to(5)), ChannelSet::up_to(1));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::*;
-use crate::wait::{Key, Lasts, Marks, Rule, Rules, Send};
+use crate::wait::{Lasts, MarkRange, Send, WaitMark, WaitRule, WaitRules};
 
 /// Numbers that are the same in every run of the test.
 struct Numbers(u64);
@@ -18,77 +18,78 @@ impl Numbers {
 
 /// Possible next action of a channel.
 #[derive(Debug, Clone, Copy)]
-enum Step {
+enum FutureStep {
     Arrive(Wait),
-    Act(Act),
+    Act(WaitOp),
 }
 
 const CHANNELS: u16 = 3;
 
-fn set(channels: &[u16]) -> Set {
+fn set(channels: &[u16]) -> ChannelSet {
     channels.iter().copied().collect()
 }
 
 fn wait(primitive: Primitive, number: u32, parts: &[u16], need: u32) -> Wait {
     let need = need as u16;
-    Wait { primitive, key: Key { space: 0, number }, named: Some(set(parts)), parts: set(parts), need, rule: 0 }
+    Wait { primitive, key: WaitMark { space: 0, number }, named: Some(set(parts)), parts: set(parts), need, rule: 0 }
 }
 
 /// Everything that channels do in a test of one primitive.
-fn steps(primitive: Primitive) -> Vec<Step> {
+fn steps(primitive: Primitive) -> Vec<FutureStep> {
     let lists: [&[u16]; 4] = [&[1, 2], &[2, 3], &[1, 3], &[1, 2, 3]];
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<FutureStep> = Vec::new();
     for number in [1, 2] {
-        let key = Key { space: 0, number };
+        let key = WaitMark { space: 0, number };
         match primitive {
             Primitive::Signal => {
-                let send =
-                    |broadcast, lasts| Step::Act(Act::Signal(Send { key, to: Set::up_to(CHANNELS), broadcast, lasts }));
+                let send = |broadcast, lasts| {
+                    FutureStep::Act(WaitOp::Signal(Send { key, to: ChannelSet::up_to(CHANNELS), broadcast, lasts }))
+                };
                 steps.push(send(false, Lasts::Each));
                 steps.push(send(true, Lasts::Each));
                 steps.push(send(true, Lasts::Times(1)));
-                let range = Marks { space: 0, first: number, last: number };
-                steps.push(Step::Act(Act::Remove { range, to: None }));
-                steps.push(Step::Arrive(Wait { named: None, ..wait(primitive, number, &[1, 2, 3], 1) }));
+                let range = MarkRange { space: 0, first: number, last: number };
+                steps.push(FutureStep::Act(WaitOp::Remove { range, to: None }));
+                steps.push(FutureStep::Arrive(Wait { named: None, ..wait(primitive, number, &[1, 2, 3], 1) }));
             }
-            Primitive::Flag => steps.push(Step::Act(Act::Set(key))),
-            Primitive::Lease => steps.push(Step::Act(Act::Release(key))),
+            Primitive::Flag => steps.push(FutureStep::Act(WaitOp::Set(key))),
+            Primitive::Lease => steps.push(FutureStep::Act(WaitOp::Release(key))),
             // The words of a count need equally many.
-            Primitive::Count => steps.push(Step::Arrive(wait(primitive, number, &[1, 2, 3], number + 1))),
+            Primitive::Count => steps.push(FutureStep::Arrive(wait(primitive, number, &[1, 2, 3], number + 1))),
             Primitive::Barrier | Primitive::Order | Primitive::Join => {}
         }
         if primitive == Primitive::Lease {
-            steps.push(Step::Arrive(wait(primitive, number, &[1, 2, 3], 0)));
+            steps.push(FutureStep::Arrive(wait(primitive, number, &[1, 2, 3], 0)));
         } else if primitive != Primitive::Count {
-            steps.extend(lists.iter().map(|list| Step::Arrive(wait(primitive, number, list, 0))));
+            steps.extend(lists.iter().map(|list| FutureStep::Arrive(wait(primitive, number, list, 0))));
         }
     }
     steps
 }
 
 /// Executes a step of a running channel; false if it is not possible.
-fn carry_out(waits: &mut Waits, channel: u16, t: i64, step: Step) -> bool {
+fn carry_out(waits: &mut JobWaits, channel: u16, t: i64, step: FutureStep) -> bool {
     let tag = Tag { t, micro: 0, channel };
     match step {
-        Step::Arrive(wait) => {
+        FutureStep::Arrive(wait) => {
             let own = wait.parts.with(channel);
             let wait = Wait { parts: own, named: wait.named.map(|_| own), ..wait };
-            let arriving = Waiting { wait, tag, file: 0, line: 1 };
+            let arriving = WaitingChannel { wait, tag, file: 0, line: 1 };
             let passes = matches!(wait.primitive, Primitive::Signal | Primitive::Lease | Primitive::Join);
             if passes && waits.pass(&arriving) {
                 return true;
             }
-            !matches!(waits.arrive(arriving).arrival, Arrival::Illegal { .. } | Arrival::Mismatch { .. })
+            !matches!(waits.arrive(arriving).arrival, ArrivalOutcome::Illegal { .. } | ArrivalOutcome::Mismatch { .. })
         }
-        Step::Act(act) => waits.act(tag, act).is_ok(),
+        FutureStep::Act(act) => waits.act(tag, act).is_ok(),
     }
 }
 
 /// Channels that some sequence of steps gets past the waits where they are now.
-fn released_by_search(from: &Waits, steps: &[Step]) -> Set {
+fn released_by_search(from: &JobWaits, steps: &[FutureStep]) -> ChannelSet {
     const DEEPEST: usize = 5;
-    let standing: Set = from.places.waiting().map(|waiting| waiting.tag.channel).collect();
-    let mut released = Set::default();
+    let standing: ChannelSet = from.places.waiting().map(|waiting| waiting.tag.channel).collect();
+    let mut released = ChannelSet::default();
     let mut seen = HashSet::new();
     let mut level = vec![(from.clone(), standing)];
     for depth in 0..DEEPEST {
@@ -100,8 +101,8 @@ fn released_by_search(from: &Waits, steps: &[Step]) -> Set {
                     if !carry_out(&mut after, channel, 1000 + depth as i64, step) {
                         continue;
                     }
-                    let still: Set = left.iter().filter(|&one| after.places.at(one).is_some()).collect();
-                    released = Set(released.0 | (standing.0 & !still.0));
+                    let still: ChannelSet = left.iter().filter(|&one| after.places.at(one).is_some()).collect();
+                    released = ChannelSet(released.0 | (standing.0 & !still.0));
                     if released == standing {
                         return released;
                     }
@@ -125,7 +126,8 @@ fn exactly_those_are_dead_whom_no_continuation_releases() {
     for primitive in [Barrier, Flag, Order, Count, Signal, Lease] {
         let steps = steps(primitive);
         for _ in 0..40 {
-            let mut waits = Waits::new(crate::channels::Channels::new(1..=CHANNELS), Rules::new([Rule::plain("M")]), 0);
+            let mut waits =
+                JobWaits::new(crate::channels::Channels::new(1..=CHANNELS), WaitRules::new([WaitRule::plain("M")]), 0);
             for t in 0..8 {
                 let running: Vec<u16> = (1..=CHANNELS).filter(|&channel| waits.places.runs(channel)).collect();
                 let Some(&channel) = running.get(numbers.below(running.len().max(1))) else { break };
@@ -139,9 +141,9 @@ fn exactly_those_are_dead_whom_no_continuation_releases() {
                         waits = before;
                     }
                 }
-                let standing: Set = waits.places.waiting().map(|waiting| waiting.tag.channel).collect();
+                let standing: ChannelSet = waits.places.waiting().map(|waiting| waiting.tag.channel).collect();
                 let found = released_by_search(&waits, &steps);
-                let expected = Set(standing.0 & !found.0);
+                let expected = ChannelSet(standing.0 & !found.0);
                 assert_eq!(waits.dead(), expected, "{primitive:?} {:#?}", waits.places);
                 dead += expected.count();
                 alive += found.count();

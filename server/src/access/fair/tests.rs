@@ -5,7 +5,7 @@ fn identity(name: &str) -> Arc<Identity> {
     Arc::new(Identity { name: name.into(), tenant: format!("of {name}"), role: Role::Submit })
 }
 
-fn in_hand(fair: &Fair, identity: &Arc<Identity>, calls: usize) -> (Vec<Turn>, Vec<oneshot::Receiver<Turn>>) {
+fn in_hand(fair: &Fair, identity: &Arc<Identity>, calls: usize) -> (Vec<CallTurn>, Vec<oneshot::Receiver<CallTurn>>) {
     let (mut turns, mut waiting) = (Vec::new(), Vec::new());
     for _ in 0..calls {
         match fair.ask(identity, Instant::now()) {
@@ -26,7 +26,7 @@ fn alone_nobody_waits_and_beside_another_a_flood_has_a_few_calls_in_hand() {
     assert_eq!((more.len(), waiting.len()), (0, 10));
     // Those in hand end; one by one the others follow, never more than a few at once.
     drop(turns);
-    let mut first: Vec<Turn> = waiting.iter_mut().filter_map(|comes| comes.try_recv().ok()).collect();
+    let mut first: Vec<CallTurn> = waiting.iter_mut().filter_map(|comes| comes.try_recv().ok()).collect();
     assert_eq!(first.len(), FEW);
     first.pop();
     waiting.drain(..FEW);

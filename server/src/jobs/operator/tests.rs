@@ -6,17 +6,17 @@ fn plain() -> Dialog {
     Dialog { name: "D".into(), title: "D".into(), fields: Vec::new(), buttons: Vec::new() }
 }
 
-fn ask(desk: &Desk, channel: u16) -> Outcome {
+fn ask(desk: &Desk, channel: u16) -> QuestionOutcome {
     let dialog = plain();
-    desk.put(&Question { channel, file: "p.nc", line: 3, dialog: &dialog, values: &[], problem: None })
+    desk.put(&OpenDialog { channel, file: "p.nc", line: 3, dialog: &dialog, values: &[], problem: None })
 }
 
 fn claimed(channel: u16, question: u64) -> Option<Claimed> {
     Some(Claimed { channel, question, dialog: "D".into() })
 }
 
-fn answer(dialog: &str) -> Answer {
-    Answer { dialog: dialog.into(), ..Answer::default() }
+fn answer(dialog: &str) -> DialogAnswer {
+    DialogAnswer { dialog: dialog.into(), ..DialogAnswer::default() }
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn the_first_answer_counts() {
     assert_eq!(desk.asking(), 1);
     assert!(desk.questions().is_empty());
     desk.answer(id, Ok(answer("D")));
-    assert_eq!(kernel.join().unwrap(), Outcome::Answered(Ok(answer("D"))));
+    assert_eq!(kernel.join().unwrap(), QuestionOutcome::Answered(Ok(answer("D"))));
     assert_eq!(desk.asking(), 0);
     assert_eq!(desk.claim(id), None);
     assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
@@ -50,9 +50,9 @@ fn the_first_answer_counts() {
 fn what_was_answered_before_is_answered_again() {
     let desk = Desk::new();
     desk.record(vec![(1, Ok(answer("A"))), (2, Err(Silence::Declined)), (1, Ok(answer("B")))]);
-    assert_eq!(ask(&desk, 1), Outcome::Answered(Ok(answer("A"))));
-    assert_eq!(ask(&desk, 2), Outcome::Answered(Err(Silence::Declined)));
-    assert_eq!(ask(&desk, 1), Outcome::Answered(Ok(answer("B"))));
+    assert_eq!(ask(&desk, 1), QuestionOutcome::Answered(Ok(answer("A"))));
+    assert_eq!(ask(&desk, 2), QuestionOutcome::Answered(Err(Silence::Declined)));
+    assert_eq!(ask(&desk, 1), QuestionOutcome::Answered(Ok(answer("B"))));
     assert!(desk.questions().is_empty());
 }
 
@@ -75,7 +75,7 @@ fn a_question_has_the_same_id_in_every_run() {
         let next = earlier as u64 + 1;
         assert_eq!(desk.claim(next), claimed(1, next));
         desk.answer(next, Ok(answer("D")));
-        let all = (0..=earlier).map(|_| Outcome::Answered(Ok(answer("D"))));
+        let all = (0..=earlier).map(|_| QuestionOutcome::Answered(Ok(answer("D"))));
         assert_eq!(kernel.join().unwrap(), all.collect::<Vec<_>>());
     }
 }
@@ -96,16 +96,16 @@ fn a_question_whose_answer_was_not_stored_is_open_again() {
     assert_eq!(desk.questions().len(), 1);
     assert_eq!(desk.claim(1), claimed(1, 1));
     desk.answer(1, Err(Silence::Declined));
-    assert_eq!(kernel.join().unwrap(), Outcome::Answered(Err(Silence::Declined)));
+    assert_eq!(kernel.join().unwrap(), QuestionOutcome::Answered(Err(Silence::Declined)));
 }
 
 #[test]
 fn nobody_waits_for_ever() {
     let desk = Desk::new();
-    assert_eq!(ask(&desk, 1), Outcome::Unanswered(1), "no patience at all");
+    assert_eq!(ask(&desk, 1), QuestionOutcome::Unanswered(1), "no patience at all");
     desk.set_patience(Duration::from_secs(3600));
     desk.close();
     let changes = desk.follow();
-    assert_eq!(ask(&desk, 1), Outcome::Closed, "the run is over");
+    assert_eq!(ask(&desk, 1), QuestionOutcome::Closed, "the run is over");
     assert!(!changes.has_changed().unwrap(), "so no follower sees a question");
 }

@@ -4,7 +4,7 @@ use crate::local::disk::Disk;
 
 fn blobs(max: u64) -> (tempfile::TempDir, LocalBlobs) {
     let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path().to_owned(), false, Disk::default()).unwrap();
+    let store = DataFolder::open(folder.path().to_owned(), false, Disk::default()).unwrap();
     (folder, LocalBlobs::new(store, max))
 }
 

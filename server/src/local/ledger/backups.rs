@@ -7,7 +7,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::Path;
 
-use crate::local::store::Store;
+use crate::local::store::DataFolder;
 use crate::reason::Refusal;
 
 /// Content of a request that its process has locked. Backups of earlier versions lock nothing.
@@ -42,7 +42,7 @@ impl Request {
 }
 
 /// Makes the requested copies with `copy`, and removes those whose process has ended.
-pub(super) fn serve(store: &Store, copy: impl Fn(&Path) -> Result<(), Refusal>) {
+pub(super) fn serve(store: &DataFolder, copy: impl Fn(&Path) -> Result<(), Refusal>) {
     for path in store.backups().unwrap_or_default() {
         let (part, ready) = (path.with_extension("copy"), path.with_extension("ready"));
         let Ok(request) = Request::of(&path) else { continue };

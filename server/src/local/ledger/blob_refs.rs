@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, MACHINE, readable, storage, works};
-use crate::ledger::record::{Record, Work};
-use crate::machines::Definition;
+use crate::ledger::record::{JobRecord, JobWork};
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -18,18 +18,18 @@ use crate::tenant;
 pub(super) const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 
 /// Keys of the blobs that a job needs.
-pub(super) fn of_job(tenant: &str, work: &Work) -> BTreeSet<String> {
+pub(super) fn of_job(tenant: &str, work: &JobWork) -> BTreeSet<String> {
     let own = work.files.iter().map(|(_, digest)| tenant::key(tenant, digest));
     own.chain(of_machine(&work.machine)).collect()
 }
 
 /// Keys of the blobs that a revision of a machine needs.
-pub(super) fn of_machine(definition: &Definition) -> BTreeSet<String> {
+pub(super) fn of_machine(definition: &MachineRecord) -> BTreeSet<String> {
     definition.files.values().map(|digest| tenant::key(&definition.tenant, digest)).collect()
 }
 
 /// One more row needs these.
-pub(super) fn add(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
+pub(super) fn add(tables: &TransactionTables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
     let mut table = tables.blob()?;
     for digest in digests {
         let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
@@ -39,7 +39,7 @@ pub(super) fn add(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Result<(),
 }
 
 /// One row less needs these.
-pub(super) fn subtract(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
+pub(super) fn subtract(tables: &TransactionTables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
     let mut table = tables.blob()?;
     for digest in digests {
         let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
@@ -55,10 +55,10 @@ pub(super) fn subtract(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Resul
 /// Counts the blobs that all rows need.
 pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(BLOB).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
-    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
+    let (tables, jobs) = (TransactionTables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        let Some(record) = readable::<Record>(JOB, id.value(), row.value()) else { continue };
+        let Some(record) = readable::<JobRecord>(JOB, id.value(), row.value()) else { continue };
         if let Some(work) = works::anywhere(txn, id.value(), row.value())? {
             add(&tables, &of_job(&record.tenant, &work))?;
         }
@@ -68,7 +68,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
         let (name, row) = row.map_err(storage)?;
         // The row without a revision holds the same definition as that of its newest one.
         if let Some(definition) =
-            readable::<Definition>(MACHINE, name.value(), row.value()).filter(|_| name.value().contains('@'))
+            readable::<MachineRecord>(MACHINE, name.value(), row.value()).filter(|_| name.value().contains('@'))
         {
             add(&tables, &of_machine(&definition))?;
         }

@@ -8,14 +8,14 @@ use std::path::Path;
 use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
-use super::tables::Tables;
-use super::writer::Place;
+use super::tables::TransactionTables;
+use super::writer::LedgerLocation;
 use super::{
     JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, parse, retention, schema, storage, usage, works,
 };
-use crate::ledger::record::{Record, Work};
-use crate::local::store::Store;
-use crate::machines::Definition;
+use crate::ledger::record::{JobRecord, JobWork};
+use crate::local::store::DataFolder;
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 
 /// A ledger that no server has open.
@@ -36,8 +36,8 @@ pub(crate) struct Unreadable {
 
 /// The content of the ledger.
 #[derive(Debug, Default)]
-pub(crate) struct Rows {
-    pub(crate) jobs: Vec<Record>,
+pub(crate) struct LedgerContent {
+    pub(crate) jobs: Vec<JobRecord>,
     /// Blobs that jobs and machines need: tenant and digest.
     pub(crate) blobs: BTreeSet<(String, String)>,
     pub(crate) unreadable: Vec<Unreadable>,
@@ -51,8 +51,8 @@ pub(crate) struct Rows {
 
 impl Checkup {
     /// Opens the ledger of a folder, to be written only for a repair.
-    pub(crate) fn open(store: &Store, repair: bool) -> Result<Self, Refusal> {
-        let place = Place::File(store.ledger(), store.disk().clone());
+    pub(crate) fn open(store: &DataFolder, repair: bool) -> Result<Self, Refusal> {
+        let place = LedgerLocation::File(store.ledger(), store.disk().clone());
         let database = if repair { place.open() } else { place.try_frozen() }?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store)?;
@@ -64,14 +64,14 @@ impl Checkup {
     }
 
     /// Whether all pages of the ledger of a folder have their checksums; what is wrong, if not.
-    pub(crate) fn sound(store: &Store) -> Result<(), Refusal> {
-        Place::File(store.ledger(), store.disk().clone()).check()
+    pub(crate) fn sound(store: &DataFolder) -> Result<(), Refusal> {
+        LedgerLocation::File(store.ledger(), store.disk().clone()).check()
     }
 
     /// Reads all rows.
-    pub(crate) fn rows(&self) -> Result<Rows, Refusal> {
+    pub(crate) fn rows(&self) -> Result<LedgerContent, Refusal> {
         let txn = self.database.begin_read().map_err(storage)?;
-        let mut rows = Rows::default();
+        let mut rows = LedgerContent::default();
         let mut known = BTreeSet::new();
         let mut counts: BTreeMap<String, u64> = BTreeMap::new();
         let mut count = |digests: BTreeSet<String>| {
@@ -80,7 +80,7 @@ impl Checkup {
         for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
             let (id, row) = row.map_err(storage)?;
             known.insert(id.value().to_owned());
-            match (parse::<Record>(JOB, id.value(), row.value()), works::read(&txn, id.value())) {
+            match (parse::<JobRecord>(JOB, id.value(), row.value()), works::read(&txn, id.value())) {
                 (Ok(record), Ok(Some(work))) => {
                     count(blob_refs::of_job(&record.tenant, &work));
                     rows.need(&record.tenant, &work);
@@ -91,7 +91,7 @@ impl Checkup {
         }
         for row in txn.open_table(MACHINE).map_err(storage)?.iter().map_err(storage)? {
             let (name, row) = row.map_err(storage)?;
-            match parse::<Definition>(MACHINE, name.value(), row.value()) {
+            match parse::<MachineRecord>(MACHINE, name.value(), row.value()) {
                 Ok(definition) if name.value().contains('@') => {
                     count(blob_refs::of_machine(&definition));
                     rows.need_files(&definition);
@@ -137,23 +137,23 @@ impl Checkup {
     }
 
     /// Removes ended jobs.
-    pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
+    pub(crate) fn remove(&self, jobs: &[&JobRecord]) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
-        let tables = Tables::of(&txn);
+        let tables = TransactionTables::of(&txn);
         jobs.iter().try_for_each(|job| super::take_out(&tables, &job.id, job.ages_from()).map(drop))?;
         drop(tables);
         txn.commit().map_err(storage)
     }
 
     /// Removes rows that cannot be read or belong to nothing, and counts again.
-    pub(crate) fn repair(&self, rows: &Rows, store: &Store) -> Result<(), Refusal> {
+    pub(crate) fn repair(&self, rows: &LedgerContent, store: &DataFolder) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
         for row in &rows.unreadable {
             let table = if row.machine { MACHINE } else { JOB };
             txn.open_table(table).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
             txn.open_table(LOG).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
             if !row.machine {
-                works::remove(&Tables::of(&txn), &row.key)?;
+                works::remove(&TransactionTables::of(&txn), &row.key)?;
             }
         }
         let gone = |id: &str| rows.unreadable.iter().any(|row| !row.machine && row.key == id);
@@ -163,7 +163,7 @@ impl Checkup {
             .map_err(storage)?;
         for id in &rows.logs {
             txn.open_table(LOG).map_err(storage)?.remove(id.as_str()).map_err(storage)?;
-            works::remove(&Tables::of(&txn), id)?;
+            works::remove(&TransactionTables::of(&txn), id)?;
         }
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;
@@ -175,29 +175,29 @@ impl Checkup {
     }
 }
 
-impl Rows {
+impl LedgerContent {
     /// Notes the blobs that a job needs.
-    fn need(&mut self, tenant: &str, work: &Work) {
+    fn need(&mut self, tenant: &str, work: &JobWork) {
         self.blobs.extend(work.files.iter().map(|(_, digest)| (tenant.to_owned(), digest.clone())));
         self.need_files(&work.machine);
     }
 
     /// Notes the blobs that a machine needs.
-    fn need_files(&mut self, machine: &Definition) {
+    fn need_files(&mut self, machine: &MachineRecord) {
         self.blobs.extend(machine.files.values().map(|digest| (machine.tenant.clone(), digest.clone())));
     }
 }
 
 /// Copies the ledger of a folder that no server uses; none if there is none.
-pub(crate) fn copy_ledger(store: &Store, to: &Path) -> Result<(), Refusal> {
+pub(crate) fn copy_ledger(store: &DataFolder, to: &Path) -> Result<(), Refusal> {
     super::not_lost(store)?;
-    let place = Place::File(store.ledger(), store.disk().clone());
+    let place = LedgerLocation::File(store.ledger(), store.disk().clone());
     copy(&place.try_frozen()?.begin_read().map_err(storage)?, to, store)
 }
 
 /// Copies the state that a reader sees into a new file.
-pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(), Refusal> {
-    let database = Place::File(to.to_owned(), store.disk().clone()).open()?;
+pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &DataFolder) -> Result<(), Refusal> {
+    let database = LedgerLocation::File(to.to_owned(), store.disk().clone()).open()?;
     let txn = database.begin_write().map_err(storage)?;
     copy_table(from, &txn, schema::META)?;
     copy_table(from, &txn, JOB)?;

@@ -10,16 +10,16 @@ use std::time::Instant;
 
 use redb::{Key, ReadTransaction, ReadableDatabase as _, ReadableTableMetadata as _, TableDefinition, Value};
 
-use super::writer::{Place, Shared};
+use super::writer::{LedgerDatabase, LedgerLocation};
 use super::{
     JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, equal, index, machine_bytes, retention, schema, storage, usage,
     works,
 };
 use crate::ledger::Compacted;
 use crate::local::contained::contained;
-use crate::local::disk::Step;
-use crate::local::named::Named as _;
-use crate::local::store::Store;
+use crate::local::disk::DiskOperation;
+use crate::local::named::PathContext as _;
+use crate::local::store::DataFolder;
 use crate::reason::Refusal;
 
 /// Bytes of the pages that a table uses; 0 if the table does not exist.
@@ -56,8 +56,8 @@ pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
 ///
 /// # Errors
 /// The copy cannot be made; the ledger is unchanged.
-pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refusal> {
-    let Place::File(path, disk) = &shared.place else { return Ok(Compacted::default()) };
+pub(super) fn compact(shared: &LedgerDatabase, store: &DataFolder) -> Result<Compacted, Refusal> {
+    let LedgerLocation::File(path, disk) = &shared.place else { return Ok(Compacted::default()) };
     let begin = Instant::now();
     let before = path.metadata().at(path)?.len();
     let copy = store.tmp().join("ledger.compact");
@@ -72,7 +72,7 @@ pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refus
             // A small file has no less than its first pages.
             return Ok(std::fs::remove_file(&copy).at(&copy).map(|()| false)?);
         }
-        disk.step(Step::Place, path).at(path)?;
+        disk.step(DiskOperation::Place, path).at(path)?;
         Ok(std::fs::rename(&copy, path).at(path).map(|()| true)?)
     });
     match placed {

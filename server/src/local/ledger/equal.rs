@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 use redb::{ReadTransaction, ReadableTable as _, TableDefinition, WriteTransaction};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, parse, readable, storage};
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -17,13 +17,13 @@ use crate::tenant;
 pub(super) const EQUAL: TableDefinition<'_, &str, &str> = TableDefinition::new("equal_jobs");
 
 /// The key of a job's row; `None` if other jobs may not use its results.
-fn key(record: &Record) -> Option<String> {
+fn key(record: &JobRecord) -> Option<String> {
     let usable = record.state.ended() && !record.reuse.digest.is_empty();
     usable.then(|| tenant::key(&record.tenant, &record.reuse.digest))
 }
 
 /// Adds the row of an ended job.
-pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn add(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     if let Some(key) = key(record) {
         tables.equal()?.insert(key.as_str(), record.id.as_str()).map_err(storage)?;
     }
@@ -31,7 +31,7 @@ pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
 }
 
 /// Removes the row of a job.
-pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn remove(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     let Some(key) = key(record) else { return Ok(()) };
     let mut table = tables.equal()?;
     let own = table.get(key.as_str()).map_err(storage)?.is_some_and(|id| id.value() == record.id);
@@ -42,23 +42,23 @@ pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal
 }
 
 /// The most recently ended job of a tenant with this digest.
-pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal> {
+pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<Option<JobRecord>, Refusal> {
     let row = tenant::key(tenant, digest);
     let table = txn.open_table(EQUAL).map_err(storage)?;
     let Some(id) = table.get(row.as_str()).map_err(storage)?.map(|id| id.value().to_owned()) else { return Ok(None) };
     let jobs = txn.open_table(JOB).map_err(storage)?;
     let job = jobs.get(id.as_str()).map_err(storage)?;
-    let job = job.map(|job| parse::<Record>(JOB, &id, job.value())).transpose()?;
+    let job = job.map(|job| parse::<JobRecord>(JOB, &id, job.value())).transpose()?;
     Ok(job.filter(|job| job.id == id && key(job).as_ref() == Some(&row)))
 }
 
 /// Rebuilds the rows of all jobs.
 pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(EQUAL).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
-    let tables = Tables::of(txn);
+    let tables = TransactionTables::of(txn);
     for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
+        if let Some(record) = readable::<JobRecord>(JOB, id.value(), row.value()) {
             add(&tables, &record)?;
         }
     }
@@ -66,7 +66,7 @@ pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
 }
 
 /// Whether each row names a job that has its digest.
-pub(super) fn agree(txn: &ReadTransaction, jobs: &[Record]) -> Result<bool, Refusal> {
+pub(super) fn agree(txn: &ReadTransaction, jobs: &[JobRecord]) -> Result<bool, Refusal> {
     let keys: BTreeMap<&str, String> = jobs.iter().filter_map(|job| Some((job.id.as_str(), key(job)?))).collect();
     for row in txn.open_table(EQUAL).map_err(storage)?.iter().map_err(storage)? {
         let (row, id) = row.map_err(storage)?;

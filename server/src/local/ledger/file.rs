@@ -12,8 +12,8 @@ use std::sync::{Mutex, PoisonError};
 use redb::StorageBackend;
 use redb::backends::FileBackend;
 
-use crate::local::disk::{Disk, Step};
-use crate::local::named::Named as _;
+use crate::local::disk::{Disk, DiskOperation};
+use crate::local::named::PathContext as _;
 
 const PAGE: u64 = 4096;
 
@@ -29,10 +29,10 @@ impl LedgerFile {
     /// Opens the file or creates an empty one. Its content and its name are made durable first: a previous server, a
     /// failed sync, or a compaction may have left changes that a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
-        disk.step(Step::Create, path).at(path)?;
+        disk.step(DiskOperation::Create, path).at(path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path).at(path)?;
         disk.owner().give(&file).at(path)?;
-        disk.step(Step::Sync, path).at(path)?;
+        disk.step(DiskOperation::Sync, path).at(path)?;
         file.sync_data().at(path)?;
         if let Some(folder) = path.parent() {
             disk.sync_folder(folder).at(folder)?;
@@ -52,21 +52,22 @@ impl StorageBackend for LedgerFile {
     }
 
     fn set_len(&self, len: u64) -> io::Result<()> {
-        self.disk.step(Step::Resize(len), &self.path).and_then(|_| self.inner.set_len(len)).at(&self.path)
+        self.disk.step(DiskOperation::Resize(len), &self.path).and_then(|_| self.inner.set_len(len)).at(&self.path)
     }
 
     fn sync_data(&self) -> io::Result<()> {
-        self.disk.step(Step::Sync, &self.path).and_then(|_| self.inner.sync_data()).at(&self.path)
+        self.disk.step(DiskOperation::Sync, &self.path).and_then(|_| self.inner.sync_data()).at(&self.path)
     }
 
     fn write(&self, offset: u64, data: &[u8]) -> io::Result<()> {
-        let written = self.disk.step(Step::Write(data.len()), &self.path).and_then(|most| match data.get(..most) {
-            Some(part) if part.len() < data.len() => {
-                self.inner.write(offset, part)?;
-                Err(io::ErrorKind::StorageFull.into())
-            }
-            _ => self.inner.write(offset, data),
-        });
+        let written =
+            self.disk.step(DiskOperation::Write(data.len()), &self.path).and_then(|most| match data.get(..most) {
+                Some(part) if part.len() < data.len() => {
+                    self.inner.write(offset, part)?;
+                    Err(io::ErrorKind::StorageFull.into())
+                }
+                _ => self.inner.write(offset, data),
+            });
         written.at(&self.path)
     }
 

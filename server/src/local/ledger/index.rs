@@ -11,10 +11,10 @@ use std::ops::Bound::{Excluded, Included, Unbounded};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
 use uuid::Uuid;
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, readable, storage};
 use crate::ledger::prefix::shortest;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{JobRecord, JobState};
 use crate::ledger::{PAGE_BYTES, Page, Query};
 use crate::reason::Refusal;
 
@@ -24,14 +24,14 @@ pub(super) const INDEX: TableDefinition<'_, (&str, &str), ()> = TableDefinition:
 /// Most look-ups of a page.
 const STEPS: usize = 2000;
 /// States, with those that the ledger does not tell apart as one.
-const STATES: [State; 4] = [State::Queued, State::Succeeded, State::Failed, State::Cancelled];
+const STATES: [JobState; 4] = [JobState::Queued, JobState::Succeeded, JobState::Failed, JobState::Cancelled];
 
-fn state_term(tenant: &str, state: State) -> String {
+fn state_term(tenant: &str, state: JobState) -> String {
     let state = match state {
-        State::Queued | State::Running => "open",
-        State::Succeeded => "succeeded",
-        State::Failed => "failed",
-        State::Cancelled => "cancelled",
+        JobState::Queued | JobState::Running => "open",
+        JobState::Succeeded => "succeeded",
+        JobState::Failed => "failed",
+        JobState::Cancelled => "cancelled",
     };
     format!("{tenant}/s/{state}")
 }
@@ -45,7 +45,7 @@ fn label_term(tenant: &str, key: &str, value: &str) -> String {
 }
 
 /// Terms of a job that never change.
-fn fixed(record: &Record) -> Vec<String> {
+fn fixed(record: &JobRecord) -> Vec<String> {
     let (tenant, machine) = (record.tenant.as_str(), &record.machine);
     let mut terms = vec![machine_term(tenant, &machine.name)];
     if !machine.revision.is_empty() {
@@ -56,14 +56,14 @@ fn fixed(record: &Record) -> Vec<String> {
 }
 
 /// All terms of a job.
-fn terms(record: &Record) -> Vec<String> {
+fn terms(record: &JobRecord) -> Vec<String> {
     let mut terms = fixed(record);
     terms.push(state_term(&record.tenant, record.state));
     terms
 }
 
 /// Lists a job that is accepted.
-pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn add(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     let mut table = tables.index()?;
     for term in terms(record) {
         table.insert((term.as_str(), record.id.as_str()), ()).map_err(storage)?;
@@ -72,16 +72,16 @@ pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
 }
 
 /// Lists a job that ends now under its end.
-pub(super) fn end(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn end(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     let mut table = tables.index()?;
-    let (open, ended) = (state_term(&record.tenant, State::Queued), state_term(&record.tenant, record.state));
+    let (open, ended) = (state_term(&record.tenant, JobState::Queued), state_term(&record.tenant, record.state));
     table.remove((open.as_str(), record.id.as_str())).map_err(storage)?;
     table.insert((ended.as_str(), record.id.as_str()), ()).map_err(storage)?;
     Ok(())
 }
 
 /// Takes a job out.
-pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn remove(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     let mut table = tables.index()?;
     for term in terms(record) {
         table.remove((term.as_str(), record.id.as_str())).map_err(storage)?;
@@ -92,10 +92,10 @@ pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal
 /// Lists all jobs anew.
 pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(INDEX).map_err(storage)?.retain(|_, ()| false).map_err(storage)?;
-    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
+    let (tables, jobs) = (TransactionTables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
+        if let Some(record) = readable::<JobRecord>(JOB, id.value(), row.value()) {
             add(&tables, &record)?;
         }
     }
@@ -114,12 +114,12 @@ pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(String, String)>
 }
 
 /// Entries that the list must have for these jobs.
-pub(super) fn expected<'a>(jobs: impl Iterator<Item = &'a Record>) -> BTreeSet<(String, String)> {
+pub(super) fn expected<'a>(jobs: impl Iterator<Item = &'a JobRecord>) -> BTreeSet<(String, String)> {
     jobs.flat_map(|record| terms(record).into_iter().map(|term| (term, record.id.clone()))).collect()
 }
 
 /// Jobs in the order of acceptance, or in the reverse order, from a bound on.
-struct Walk<'a> {
+struct JobScan<'a> {
     index: ReadOnlyTable<(&'static str, &'static str), ()>,
     query: &'a Query,
     /// Look-ups left.
@@ -127,41 +127,41 @@ struct Walk<'a> {
 }
 
 /// Where jobs come from.
-enum Source<'a> {
+enum IdSource<'a> {
     /// Those listed under a term, without some.
     Term(String, Option<&'a BTreeSet<String>>),
     Ids(&'a BTreeSet<String>),
 }
 
 /// A condition: the job is in one of the sources. The next identity of each is kept from one question to the next.
-struct Condition<'a>(Vec<(Source<'a>, Known)>);
+struct QueryCondition<'a>(Vec<(IdSource<'a>, SourceCursor)>);
 
 /// State of a source: unknown, the next identity, or the end.
 #[derive(Clone, PartialEq)]
-enum Known {
+enum SourceCursor {
     Nothing,
     Next(String),
     End,
 }
 
-impl<'a> Condition<'a> {
-    fn new(sources: impl IntoIterator<Item = Source<'a>>) -> Self {
-        Self(sources.into_iter().map(|source| (source, Known::Nothing)).collect())
+impl<'a> QueryCondition<'a> {
+    fn new(sources: impl IntoIterator<Item = IdSource<'a>>) -> Self {
+        Self(sources.into_iter().map(|source| (source, SourceCursor::Nothing)).collect())
     }
 
     /// The first identity from `bound` on.
-    fn seek(&mut self, walk: &mut Walk<'_>, bound: &str) -> Result<Option<String>, Refusal> {
+    fn seek(&mut self, walk: &mut JobScan<'_>, bound: &str) -> Result<Option<String>, Refusal> {
         let mut first: Option<String> = None;
         for (source, known) in &mut self.0 {
             let stale = match known {
-                Known::Nothing => true,
-                Known::Next(next) => walk.before(next, bound),
-                Known::End => false,
+                SourceCursor::Nothing => true,
+                SourceCursor::Next(next) => walk.before(next, bound),
+                SourceCursor::End => false,
             };
             if stale {
-                *known = walk.next(source, bound)?.map_or(Known::End, Known::Next);
+                *known = walk.next(source, bound)?.map_or(SourceCursor::End, SourceCursor::Next);
             }
-            if let Known::Next(next) = known
+            if let SourceCursor::Next(next) = known
                 && first.as_ref().is_none_or(|first| walk.before(next, first))
             {
                 first = Some(next.clone());
@@ -171,20 +171,20 @@ impl<'a> Condition<'a> {
     }
 }
 
-impl Walk<'_> {
+impl JobScan<'_> {
     /// Whether one identity comes before another.
     fn before(&self, one: &str, other: &str) -> bool {
         if self.query.newest_first { one > other } else { one < other }
     }
 
-    fn next(&mut self, source: &Source<'_>, bound: &str) -> Result<Option<String>, Refusal> {
+    fn next(&mut self, source: &IdSource<'_>, bound: &str) -> Result<Option<String>, Refusal> {
         let newest_first = self.query.newest_first;
         match source {
-            Source::Ids(ids) if newest_first => {
+            IdSource::Ids(ids) if newest_first => {
                 Ok(ids.range::<str, _>((Unbounded, Included(bound))).next_back().cloned())
             }
-            Source::Ids(ids) => Ok(ids.range::<str, _>((Included(bound), Unbounded)).next().cloned()),
-            Source::Term(term, without) => {
+            IdSource::Ids(ids) => Ok(ids.range::<str, _>((Included(bound), Unbounded)).next().cloned()),
+            IdSource::Term(term, without) => {
                 let skip = |id: &str| without.is_some_and(|without| without.contains(id));
                 let term = term.as_str();
                 let mut rows = match newest_first {
@@ -226,17 +226,18 @@ fn at(ms: i64) -> String {
 }
 
 /// Conditions of a query.
-fn conditions(query: &Query) -> Vec<Condition<'_>> {
+fn conditions(query: &Query) -> Vec<QueryCondition<'_>> {
     let tenant = &query.tenant;
     let all = query.states.is_empty() && query.paused.is_none();
-    let wanted = |state: &State| query.states.contains(state);
+    let wanted = |state: &JobState| query.states.contains(state);
     let states = STATES.iter().filter(|state| all || wanted(state)).map(|state| {
-        let running = (*state == State::Queued && !all && !wanted(&State::Running)).then_some(&query.running);
-        Source::Term(state_term(tenant, *state), running)
+        let running = (*state == JobState::Queued && !all && !wanted(&JobState::Running)).then_some(&query.running);
+        IdSource::Term(state_term(tenant, *state), running)
     });
-    let running = (wanted(&State::Running) && !wanted(&State::Queued)).then_some(Source::Ids(&query.running));
-    let mut conditions = vec![Condition::new(states.chain(running).chain(query.paused.as_ref().map(Source::Ids)))];
-    let term = |term: String| Condition::new([Source::Term(term, None)]);
+    let running = (wanted(&JobState::Running) && !wanted(&JobState::Queued)).then_some(IdSource::Ids(&query.running));
+    let mut conditions =
+        vec![QueryCondition::new(states.chain(running).chain(query.paused.as_ref().map(IdSource::Ids)))];
+    let term = |term: String| QueryCondition::new([IdSource::Term(term, None)]);
     conditions.extend(query.machine.iter().map(|machine| term(machine_term(tenant, machine))));
     conditions.extend(query.labels.iter().map(|(key, value)| term(label_term(tenant, key, value))));
     conditions
@@ -252,9 +253,12 @@ fn ends(query: &Query) -> (String, String) {
 }
 
 /// The short identities of jobs of a tenant.
-fn short_ids(index: &ReadOnlyTable<(&'static str, &'static str), ()>, jobs: &[Record]) -> Result<Vec<String>, Refusal> {
+fn short_ids(
+    index: &ReadOnlyTable<(&'static str, &'static str), ()>,
+    jobs: &[JobRecord],
+) -> Result<Vec<String>, Refusal> {
     let mut short = Vec::with_capacity(jobs.len());
-    for Record { id, tenant, .. } in jobs {
+    for JobRecord { id, tenant, .. } in jobs {
         let mut neighbours = Vec::with_capacity(2 * STATES.len());
         for state in STATES {
             let term = state_term(tenant, state);
@@ -282,7 +286,7 @@ pub(super) fn page(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal
 fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     let most_bytes = if query.most_bytes == 0 { PAGE_BYTES } else { query.most_bytes };
-    let mut walk = Walk { index: txn.open_table(INDEX).map_err(storage)?, query, left: STEPS };
+    let mut walk = JobScan { index: txn.open_table(INDEX).map_err(storage)?, query, left: STEPS };
     let mut conditions = conditions(query);
     let (first, last) = ends(query);
     let mut bound = match (query.after.as_str(), query.newest_first) {
@@ -340,7 +344,7 @@ fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
                 page.next = page.jobs.last().map(|job| job.id.clone());
                 return Ok(page);
             }
-            let record = readable::<Record>(JOB, &bound, row.value()).filter(|record| record.tenant == query.tenant);
+            let record = readable::<JobRecord>(JOB, &bound, row.value()).filter(|record| record.tenant == query.tenant);
             page.bytes = page.bytes.saturating_add(if record.is_some() { bytes } else { 0 });
             page.jobs.extend(record);
         }
@@ -352,7 +356,7 @@ fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
 }
 
 /// Jobs of all tenants that have not ended, in order of acceptance.
-pub(super) fn unfinished(txn: &ReadTransaction) -> Result<Vec<Record>, Refusal> {
+pub(super) fn unfinished(txn: &ReadTransaction) -> Result<Vec<JobRecord>, Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     let mut ids = BTreeSet::new();
     for row in txn.open_table(INDEX).map_err(storage)?.iter().map_err(storage)? {
@@ -365,7 +369,7 @@ pub(super) fn unfinished(txn: &ReadTransaction) -> Result<Vec<Record>, Refusal> 
     let mut found = Vec::new();
     for id in ids {
         let row = jobs.get(id.as_str()).map_err(storage)?;
-        found.extend(row.and_then(|row| readable::<Record>(JOB, &id, row.value())));
+        found.extend(row.and_then(|row| readable::<JobRecord>(JOB, &id, row.value())));
     }
     Ok(found)
 }

@@ -3,17 +3,17 @@ use redb::{Database, ReadableDatabase};
 use super::*;
 use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::tests::record;
-use crate::machines::{Definition, Pinned};
+use crate::machines::{MachineRecord, Pinned};
 
 /// Identity of the job accepted at a millisecond.
 fn id(ms: i64) -> String {
     Uuid::from_u128((u128::from(ms.unsigned_abs()) << 80) | 0x7000_8000_0000_0000_0000).to_string()
 }
 
-struct Jobs(Database, Vec<Record>);
+struct Jobs(Database, Vec<JobRecord>);
 
 impl Jobs {
-    fn new(jobs: Vec<Record>) -> Self {
+    fn new(jobs: Vec<JobRecord>) -> Self {
         let backend = redb::backends::InMemoryBackend::new();
         let database = Database::builder().create_with_backend(backend).unwrap();
         let txn = database.begin_write().unwrap();
@@ -48,8 +48,8 @@ impl Jobs {
 
     /// Jobs found by looking at every job.
     fn scanned(&self, query: &Query) -> Vec<String> {
-        let wanted = |job: &&Record| {
-            let state = if query.running.contains(&job.id) { State::Running } else { job.state };
+        let wanted = |job: &&JobRecord| {
+            let state = if query.running.contains(&job.id) { JobState::Running } else { job.state };
             let machine = query.machine.as_ref();
             job.tenant == query.tenant
                 && (query.states.is_empty() && query.paused.is_none()
@@ -74,12 +74,12 @@ fn random(state: &mut u64) -> usize {
     (*state >> 33) as usize
 }
 
-fn some_jobs(seed: &mut u64, count: i64) -> Vec<Record> {
-    let states = [State::Queued, State::Queued, State::Succeeded, State::Failed, State::Cancelled];
+fn some_jobs(seed: &mut u64, count: i64) -> Vec<JobRecord> {
+    let states = [JobState::Queued, JobState::Queued, JobState::Succeeded, JobState::Failed, JobState::Cancelled];
     let job = |ms: i64| {
-        let mut job = Record { state: states[random(seed) % 5], submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
+        let mut job = JobRecord { state: states[random(seed) % 5], submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
         job.tenant = ["default", "other"][random(seed) % 2].to_owned();
-        let mut machine = Definition::shipped(["mill", "lathe"][random(seed) % 2]);
+        let mut machine = MachineRecord::shipped(["mill", "lathe"][random(seed) % 2]);
         if random(seed).is_multiple_of(3) {
             let digest = ["aa", "bb"][random(seed) % 2];
             machine.files = [("lathe/machine.toml".to_owned(), digest.to_owned())].into();
@@ -99,8 +99,8 @@ fn some_jobs(seed: &mut u64, count: i64) -> Vec<Record> {
 fn pages_hold_what_a_look_at_every_job_finds() {
     let mut seed = 5;
     let jobs = Jobs::new(some_jobs(&mut seed, 300));
-    let open: Vec<_> = jobs.1.iter().filter(|job| job.state == State::Queued).map(|job| job.id.clone()).collect();
-    let all = [State::Queued, State::Running, State::Succeeded, State::Failed, State::Cancelled];
+    let open: Vec<_> = jobs.1.iter().filter(|job| job.state == JobState::Queued).map(|job| job.id.clone()).collect();
+    let all = [JobState::Queued, JobState::Running, JobState::Succeeded, JobState::Failed, JobState::Cancelled];
     let pinned = jobs.1.iter().find(|job| !job.machine.revision.is_empty()).unwrap().machine.full_name();
     let mut seen = 0;
     for round in 0..1000 {
@@ -142,7 +142,7 @@ fn short_identities_find_their_jobs() {
     let mut seed = 9;
     let mut some = some_jobs(&mut seed, 300);
     // Of the same millisecond.
-    let twin = Record { id: format!("{}1", &some[5].id[..35]), state: State::Failed, ..some[5].clone() };
+    let twin = JobRecord { id: format!("{}1", &some[5].id[..35]), state: JobState::Failed, ..some[5].clone() };
     some.insert(6, twin);
     let jobs = Jobs::new(some);
     for tenant in ["default", "other"] {
@@ -163,7 +163,7 @@ fn short_identities_find_their_jobs() {
 fn a_page_takes_a_bounded_number_of_steps_and_the_next_one_continues() {
     let job = |ms: i64| {
         let mut job = record(&id(ms));
-        job.machine = Pinned::from(&Definition::shipped(if ms % 2 == 0 { "mill" } else { "lathe" }));
+        job.machine = Pinned::from(&MachineRecord::shipped(if ms % 2 == 0 { "mill" } else { "lathe" }));
         if ms % 2 == 1 || ms == 9000 {
             job.asked.labels.insert("k".to_owned(), "v".to_owned());
         }
@@ -191,7 +191,7 @@ fn a_page_takes_a_bounded_number_of_steps_and_the_next_one_continues() {
 
 #[test]
 fn a_page_ends_at_its_bytes_and_the_next_one_continues() {
-    let job = |ms: i64| Record { error: "e".repeat(300_000), submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
+    let job = |ms: i64| JobRecord { error: "e".repeat(300_000), submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
     let mut large: Vec<_> = (0..10).map(job).collect();
     large[4].error = "e".repeat(2_000_000);
     let jobs = Jobs::new(large);

@@ -5,10 +5,10 @@
 
 use redb::{ReadTransaction, ReadableTable, TableHandle as _};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{MACHINE, blob_refs, machine_bytes, readable, seal, storage};
 use crate::ledger::Check;
-use crate::machines::Definition;
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -17,7 +17,11 @@ fn of_an_administrator(name: &str) -> Refusal {
 }
 
 /// Stores a machine.
-pub(super) fn put(tables: &Tables<'_>, definition: &Definition, check: Check<Definition>) -> Result<(), Refusal> {
+pub(super) fn put(
+    tables: &TransactionTables<'_>,
+    definition: &MachineRecord,
+    check: Check<MachineRecord>,
+) -> Result<(), Refusal> {
     check(definition)?;
     let name = tenant::key(&definition.tenant, &definition.name);
     let pinned = format!("{name}@{}", definition.revision());
@@ -26,7 +30,7 @@ pub(super) fn put(tables: &Tables<'_>, definition: &Definition, check: Check<Def
     let mut table = tables.alone().open_table(MACHINE).map_err(storage)?;
     // One that cannot be read may be that of an administrator.
     let trusted = |row: redb::AccessGuard<'_, &[u8]>| {
-        readable::<Definition>(MACHINE, &name, row.value()).is_none_or(|before| before.trusted)
+        readable::<MachineRecord>(MACHINE, &name, row.value()).is_none_or(|before| before.trusted)
     };
     if !definition.trusted && table.get(name.as_str()).map_err(storage)?.is_some_and(trusted) {
         return Err(of_an_administrator(&definition.name));
@@ -42,12 +46,12 @@ pub(super) fn put(tables: &Tables<'_>, definition: &Definition, check: Check<Def
 }
 
 /// Removes a machine with all its revisions.
-pub(super) fn remove(tables: &Tables<'_>, tenant: &str, name: &str, trusted: bool) -> Result<bool, Refusal> {
+pub(super) fn remove(tables: &TransactionTables<'_>, tenant: &str, name: &str, trusted: bool) -> Result<bool, Refusal> {
     let key = tenant::key(tenant, name);
     let mut table = tables.alone().open_table(MACHINE).map_err(storage)?;
     let newest = match table.get(key.as_str()).map_err(storage)? {
         None => return Ok(false),
-        Some(row) => readable::<Definition>(MACHINE, &key, row.value()),
+        Some(row) => readable::<MachineRecord>(MACHINE, &key, row.value()),
     };
     if !trusted && newest.is_none_or(|newest| newest.trusted) {
         return Err(of_an_administrator(name));
@@ -57,7 +61,7 @@ pub(super) fn remove(tables: &Tables<'_>, tenant: &str, name: &str, trusted: boo
     for row in table.range(first.as_str()..end.as_str()).map_err(storage)? {
         let (name, row) = row.map_err(storage)?;
         bytes += row.value().len() as u64;
-        rows.push((name.value().to_owned(), readable::<Definition>(MACHINE, name.value(), row.value())));
+        rows.push((name.value().to_owned(), readable::<MachineRecord>(MACHINE, name.value(), row.value())));
     }
     bytes += table.remove(key.as_str()).map_err(storage)?.map_or(0, |row| row.value().len() as u64);
     for (name, _) in &rows {
@@ -72,7 +76,7 @@ pub(super) fn remove(tables: &Tables<'_>, tenant: &str, name: &str, trusted: boo
 }
 
 /// All machines of a tenant, newest revision each, by name.
-pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<Definition>, Refusal> {
+pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<MachineRecord>, Refusal> {
     let table = txn.open_table(MACHINE).map_err(storage)?;
     let mut found = Vec::new();
     for row in table.iter().map_err(storage)? {
@@ -80,7 +84,7 @@ pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<Definition>
         if name.value().contains('@') || machine_bytes::tenant_of(name.value()) != tenant {
             continue;
         }
-        found.extend(readable::<Definition>(MACHINE, name.value(), bytes.value()));
+        found.extend(readable::<MachineRecord>(MACHINE, name.value(), bytes.value()));
     }
     Ok(found)
 }

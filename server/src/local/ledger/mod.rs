@@ -35,19 +35,21 @@ use tokio::sync::{mpsc, oneshot, watch};
 use uuid::{NoContext, Timestamp, Uuid};
 
 use super::contained::contained;
-use super::store::Store;
-use crate::ledger::record::{Record, Work};
+use super::store::DataFolder;
+use crate::ledger::record::{JobRecord, JobWork};
 use crate::ledger::settled::Settled;
-use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, NewJob, Page, Query, Submitted, Then, Usage};
+use crate::ledger::{
+    Accepted, Check, Compacted, EndedJob, Keep, Ledger, NewJob, Page, Query, SubmitOutcome, Then, Usage,
+};
 use crate::log::damage::{damage, of_job};
-use crate::machines::Definition;
+use crate::machines::MachineRecord;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{damaged_by, lost, lost_for_good, not_lost, unopened_by};
 use rows::{clear, flag_cancel, get, next_job, parse, put, readable, renew, same, take_out};
-use tables::Tables;
-use writer::{Operation, Place, Shared};
+use tables::TransactionTables;
+use writer::{LedgerDatabase, LedgerLocation, LedgerOperation};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
@@ -60,11 +62,11 @@ type Rows<'a> = TableDefinition<'a, &'static str, &'static [u8]>;
 /// Handle on the ledger.
 #[derive(Debug)]
 pub(crate) struct LocalLedger {
-    store: Store,
-    shared: Arc<Shared>,
+    store: DataFolder,
+    shared: Arc<LedgerDatabase>,
     epoch: u64,
     highest_ms: i64,
-    operations: RwLock<Option<mpsc::Sender<Operation>>>,
+    operations: RwLock<Option<mpsc::Sender<LedgerOperation>>>,
     writer: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -105,7 +107,7 @@ impl Drop for Reply {
 }
 
 /// Marks the ledger as not writable when its writer ends for any reason.
-struct WriterEnd(Arc<Shared>);
+struct WriterEnd(Arc<LedgerDatabase>);
 
 impl Drop for WriterEnd {
     fn drop(&mut self) {
@@ -115,8 +117,12 @@ impl Drop for WriterEnd {
 
 impl LocalLedger {
     /// Opens or creates the ledger.
-    pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
-        let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
+    pub(crate) fn open(store: &DataFolder, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
+        let place = if store.durable() {
+            LedgerLocation::File(store.ledger(), store.disk().clone())
+        } else {
+            LedgerLocation::Memory
+        };
         not_lost(store)?;
         if store.ledger().metadata().is_ok_and(|meta| meta.len() > 0) {
             place.check().map_err(|why| damaged_by(store, why))?;
@@ -136,7 +142,7 @@ impl LocalLedger {
         }
         let database = RwLock::new(Some(Arc::new(database)));
         let writable = watch::Sender::new(true);
-        let shared = Arc::new(Shared { place, database, writable, metrics, compactions: Mutex::default() });
+        let shared = Arc::new(LedgerDatabase { place, database, writable, metrics, compactions: Mutex::default() });
         let (operations, queue) = mpsc::channel(1024);
         let (own, folder) = (shared.clone(), store.clone());
         let work = move || {
@@ -154,7 +160,7 @@ impl LocalLedger {
         })
     }
 
-    fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
+    fn operations(&self) -> Result<mpsc::Sender<LedgerOperation>, Refusal> {
         self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(Refusal::unwritable_ledger)
     }
 
@@ -175,9 +181,9 @@ impl LocalLedger {
 
     fn operation<R: Send + 'static>(
         tenant: &str,
-        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&TransactionTables<'_>) -> Result<R, Refusal> + Send + 'static,
         then: impl FnOnce(&R) + Send + 'static,
-    ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
+    ) -> (LedgerOperation, oneshot::Receiver<Result<R, Refusal>>) {
         let (answer, answered) = oneshot::channel();
         let work: writer::Work = Box::new(move |tables| {
             let result = work(tables);
@@ -189,13 +195,13 @@ impl LocalLedger {
                 drop(answer.send(result));
             })
         });
-        (Operation { tenant: number(tenant), work }, answered)
+        (LedgerOperation { tenant: number(tenant), work }, answered)
     }
 
     /// Does `work` in a transaction; answers after the commit. `work` must decide before it writes.
     async fn write<R: Send + 'static>(
         &self,
-        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&TransactionTables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.send(operation).await.map_err(|_| Refusal::unwritable_ledger())?;
@@ -205,7 +211,7 @@ impl LocalLedger {
     /// Same as [`write`](Self::write) from a thread that may block.
     fn write_blocking<R: Send + 'static>(
         &self,
-        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&TransactionTables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.blocking_send(operation).map_err(|_| Refusal::unwritable_ledger())?;
@@ -230,9 +236,14 @@ impl Ledger for LocalLedger {
         self.shared.writable.subscribe()
     }
 
-    async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal> {
+    async fn submit(
+        &self,
+        job: Box<NewJob>,
+        check: Check<JobWork>,
+        accepted: Accepted,
+    ) -> Result<SubmitOutcome, Refusal> {
         let tenant = job.record.tenant.clone();
-        let submit = move |tables: &Tables<'_>| {
+        let submit = move |tables: &TransactionTables<'_>| {
             let NewJob { mut record, work } = *job;
             let mut requests = tables.request()?;
             let request = tenant::key(&record.tenant, &record.request_id);
@@ -249,10 +260,10 @@ impl Ledger for LocalLedger {
             index::add(tables, &record)?;
             blob_refs::add(tables, &blob_refs::of_job(&record.tenant, &work))?;
             requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
-            Ok(Submitted::New(Box::new(record)))
+            Ok(SubmitOutcome::New(Box::new(record)))
         };
         let (operation, answered) = Self::operation(&tenant, submit, |submitted| {
-            if let Submitted::New(record) = submitted {
+            if let SubmitOutcome::New(record) = submitted {
                 accepted(record);
             }
         });
@@ -260,7 +271,7 @@ impl Ledger for LocalLedger {
         answered.await.map_err(|_| Refusal::unwritable_ledger())?
     }
 
-    async fn update(&self, record: Record) -> Result<(), Refusal> {
+    async fn update(&self, record: JobRecord) -> Result<(), Refusal> {
         self.write(move |tables| renew(tables, record)).await
     }
 
@@ -270,7 +281,7 @@ impl Ledger for LocalLedger {
 
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal> {
         self.write(move |tables| match get(tables, &id)? {
-            Some(record) if !record.state.ended() => put(tables, &Record { paused, ..record }),
+            Some(record) if !record.state.ended() => put(tables, &JobRecord { paused, ..record }),
             _ => Ok(()),
         })
         .await
@@ -288,11 +299,11 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |tables| works::settle(tables, &id, settled))
     }
 
-    fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
+    fn update_blocking(&self, records: Vec<JobRecord>) -> Result<(), Refusal> {
         self.write_blocking(move |tables| records.into_iter().try_for_each(|record| renew(tables, record)))
     }
 
-    fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
+    fn end(&self, record: JobRecord, log: Option<Bytes>, then: Then) {
         let then = Reply(Some(then));
         let tenant = number(&record.tenant);
         let work: writer::Work = Box::new(move |tables| {
@@ -308,7 +319,7 @@ impl Ledger for LocalLedger {
         });
         // An operation that is not done answers when it is dropped.
         if let Ok(operations) = self.operations() {
-            let _ = operations.blocking_send(Operation { tenant, work });
+            let _ = operations.blocking_send(LedgerOperation { tenant, work });
         }
     }
 
@@ -320,19 +331,19 @@ impl Ledger for LocalLedger {
         })
     }
 
-    async fn remove(&self, record: Record) -> Result<bool, Refusal> {
+    async fn remove(&self, record: JobRecord) -> Result<bool, Refusal> {
         self.write(move |tables| take_out(tables, &record.id, record.ages_from())).await
     }
 
-    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
+    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<EndedJob>, Refusal> {
         self.read(|txn| retention::expired(txn, keep, now_ms, most))
     }
 
-    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal> {
+    fn remove_blocking(&self, jobs: Vec<EndedJob>) -> Result<Vec<bool>, Refusal> {
         self.write_blocking(move |tables| jobs.iter().map(|job| take_out(tables, &job.id, job.ended_ms)).collect())
     }
 
-    fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
+    fn job(&self, id: &str) -> Result<Option<JobRecord>, Refusal> {
         self.read(|txn| {
             let table = txn.open_table(JOB).map_err(storage)?;
             let row = table.get(id).map_err(storage)?;
@@ -340,11 +351,11 @@ impl Ledger for LocalLedger {
         })
     }
 
-    fn work(&self, id: &str) -> Result<Option<Work>, Refusal> {
+    fn work(&self, id: &str) -> Result<Option<JobWork>, Refusal> {
         self.read(|txn| works::read(txn, id))
     }
 
-    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal> {
+    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<JobRecord>, Refusal> {
         let id = self.read(|txn| {
             let table = txn.open_table(REQUEST).map_err(storage)?;
             let id = table.get(tenant::key(tenant, request_id).as_str()).map_err(storage)?;
@@ -353,7 +364,7 @@ impl Ledger for LocalLedger {
         id.map_or(Ok(None), |id| self.job(&id))
     }
 
-    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal> {
+    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<JobRecord>, Refusal> {
         self.read(|txn| equal::find(txn, tenant, digest))
     }
 
@@ -361,7 +372,7 @@ impl Ledger for LocalLedger {
         self.read(|txn| index::page(txn, query))
     }
 
-    fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
+    fn unfinished(&self) -> Result<Vec<JobRecord>, Refusal> {
         self.read(index::unfinished)
     }
 
@@ -391,7 +402,7 @@ impl Ledger for LocalLedger {
         self.epoch
     }
 
-    async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal> {
+    async fn put_machine(&self, definition: MachineRecord, check: Check<MachineRecord>) -> Result<(), Refusal> {
         self.write(move |tables| machines::put(tables, &definition, check)).await
     }
 
@@ -426,7 +437,7 @@ impl Ledger for LocalLedger {
         self.read(|txn| Ok(txn.open_table(JOB).map_err(storage)?.get(id).map_err(storage)?.is_some()))
     }
 
-    fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal> {
+    fn machine(&self, tenant: &str, name: &str) -> Result<Option<MachineRecord>, Refusal> {
         let key = tenant::key(tenant, name);
         self.read(|txn| {
             let table = txn.open_table(MACHINE).map_err(storage)?;
@@ -435,7 +446,7 @@ impl Ledger for LocalLedger {
         })
     }
 
-    fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal> {
+    fn machines(&self, tenant: &str) -> Result<Vec<MachineRecord>, Refusal> {
         self.read(|txn| machines::all(txn, tenant))
     }
 

@@ -13,10 +13,10 @@ use counterpoint_kernel::dialog::operator::Silence;
 use super::checkup::Checkup;
 use super::*;
 use crate::ledger::record::tests::{record, work};
-use crate::ledger::record::{CONTENT, State};
+use crate::ledger::record::{CONTENT, JobState};
 use crate::ledger::settled::Settled;
 use crate::ledger::{NewJob, day};
-use crate::local::disk::{Disk, Faults, Step};
+use crate::local::disk::{Disk, DiskOperation, Faults};
 use crate::machines::Pinned;
 
 /// A host that loses its power after this many more writes of the ledger; negative = never.
@@ -24,8 +24,10 @@ use crate::machines::Pinned;
 struct Power(AtomicI64);
 
 impl Faults for Power {
-    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
-        if !path.ends_with("ledger.redb") || !matches!(step, Step::Write(_) | Step::Resize(_) | Step::Sync) {
+    fn before(&self, step: DiskOperation, path: &Path) -> io::Result<usize> {
+        if !path.ends_with("ledger.redb")
+            || !matches!(step, DiskOperation::Write(_) | DiskOperation::Resize(_) | DiskOperation::Sync)
+        {
             return Ok(usize::MAX);
         }
         match self.0.load(Ordering::SeqCst) {
@@ -41,30 +43,30 @@ impl Faults for Power {
 /// The requests to the ledger.
 #[derive(Debug, Clone)]
 enum Operation {
-    Submit(Box<Record>, Box<Work>),
+    Submit(Box<JobRecord>, Box<JobWork>),
     Cancel(String),
     Pause(String, bool),
     Answer(String, Settled),
-    End(Box<Record>, Option<Bytes>),
-    Remove(Box<Record>),
-    RemoveMany(Vec<Ended>),
-    Put(Definition),
+    End(Box<JobRecord>, Option<Bytes>),
+    Remove(Box<JobRecord>),
+    RemoveMany(Vec<EndedJob>),
+    Put(MachineRecord),
     RemoveMachine(String, String, bool),
 }
 
 /// The expected content of the ledger.
 #[derive(Debug, Clone, Default)]
 struct Twin {
-    jobs: BTreeMap<String, Record>,
-    works: BTreeMap<String, Work>,
+    jobs: BTreeMap<String, JobRecord>,
+    works: BTreeMap<String, JobWork>,
     logs: BTreeMap<String, Bytes>,
     /// By tenant and name: the newest revision, and all.
-    machines: BTreeMap<(String, String), (Definition, BTreeMap<String, Definition>)>,
+    machines: BTreeMap<(String, String), (MachineRecord, BTreeMap<String, MachineRecord>)>,
     runs: BTreeMap<String, (u64, u64)>,
 }
 
 impl Twin {
-    fn by_request(&self, tenant: &str, request: &str) -> Option<&Record> {
+    fn by_request(&self, tenant: &str, request: &str) -> Option<&JobRecord> {
         self.jobs.values().find(|job| job.tenant == tenant && job.request_id == request)
     }
 
@@ -75,7 +77,7 @@ impl Twin {
     }
 
     /// Executes an operation; `accepted`: the ledger's record of a submit. Returns whether the operation is refused.
-    fn apply(&mut self, operation: &Operation, accepted: Option<&Record>) -> bool {
+    fn apply(&mut self, operation: &Operation, accepted: Option<&JobRecord>) -> bool {
         match operation {
             Operation::Submit(asked, work) => match self.by_request(&asked.tenant, &asked.request_id) {
                 Some(known) => return known.asks_the_same(asked) != Some(true),
@@ -83,7 +85,7 @@ impl Twin {
                     let accepted = accepted.expect("a new request gives a new job").clone();
                     assert!(self.jobs.last_key_value().is_none_or(|(last, _)| *last < accepted.id), "ids ascend");
                     let id = accepted.id.clone();
-                    let given = Record { id: String::new(), submitted_ms: asked.submitted_ms, ..accepted.clone() };
+                    let given = JobRecord { id: String::new(), submitted_ms: asked.submitted_ms, ..accepted.clone() };
                     assert_eq!(given, **asked);
                     self.works.insert(id.clone(), (**work).clone());
                     self.jobs.insert(id, accepted);
@@ -110,7 +112,7 @@ impl Twin {
                 let before = if run.0 == day { run.1 } else { 0 };
                 *run = (day, before + record.runs.cpu_us);
                 let before = self.jobs.get(&record.id).expect("it was accepted");
-                let kept = Record {
+                let kept = JobRecord {
                     cancel: record.cancel || before.cancel,
                     paused: before.paused && !record.state.ended(),
                     ..(**record).clone()
@@ -161,9 +163,9 @@ fn row_bytes(row: &impl serde::Serialize) -> u64 {
     (seal::HEAD + serde_json::to_vec(row).unwrap().len()) as u64
 }
 
-fn definition(random: &mut Random) -> Definition {
+fn definition(random: &mut Random) -> MachineRecord {
     let file = ("m/machine.toml".to_owned(), format!("{:064}", random.below(4)));
-    Definition {
+    MachineRecord {
         name: ["m", "n", "m-2"][random.below(3)].to_owned(),
         files: [file].into(),
         tenant: TENANTS[random.below(2)].to_owned(),
@@ -177,8 +179,8 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
     match random.below(12) {
         0 | 1 => {
             if let Some(job) = random.one(&open) {
-                let state = [State::Succeeded, State::Failed, State::Cancelled][random.below(3)];
-                let mut record = Record { state, ended_ms: 86_400_000 + step as i64, ..(*job).clone() };
+                let state = [JobState::Succeeded, JobState::Failed, JobState::Cancelled][random.below(3)];
+                let mut record = JobRecord { state, ended_ms: 86_400_000 + step as i64, ..(*job).clone() };
                 // The record may have been copied before a cancel or a pause was stored.
                 (record.cancel, record.paused) =
                     (job.cancel && random.below(2) == 0, job.paused && random.below(2) == 0);
@@ -195,7 +197,7 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
         }
         3 => {
             let gone = ended.iter().filter(|_| random.below(6) == 0);
-            let gone = gone.map(|job| Ended { id: job.id.clone(), ended_ms: job.ended_ms }).collect();
+            let gone = gone.map(|job| EndedJob { id: job.id.clone(), ended_ms: job.ended_ms }).collect();
             return Operation::RemoveMany(gone);
         }
         4 => {
@@ -213,26 +215,26 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
         }
         5 | 6 => return Operation::Put(definition(random)),
         7 => {
-            let Definition { tenant, name, trusted, .. } = definition(random);
+            let MachineRecord { tenant, name, trusted, .. } = definition(random);
             return Operation::RemoveMachine(tenant, name, trusted);
         }
         _ => {}
     }
-    let mut asked = Record { submitted_ms: 0, ..record("") };
+    let mut asked = JobRecord { submitted_ms: 0, ..record("") };
     asked.tenant = TENANTS[random.below(2)].to_owned();
     asked.request_id = format!("r{}", random.below(2 * step + 2));
     asked.content = format!("{CONTENT}{}", random.below(2));
-    let machine = Definition { tenant: asked.tenant.clone(), ..definition(random) };
+    let machine = MachineRecord { tenant: asked.tenant.clone(), ..definition(random) };
     asked.machine = Pinned::from(&machine);
     let files = vec![("f".to_owned(), format!("{:064}", random.below(5)))];
     asked.asked.labels.insert("part".to_owned(), random.below(3).to_string());
-    Operation::Submit(Box::new(asked), Box::new(Work { machine, files, ..work() }))
+    Operation::Submit(Box::new(asked), Box::new(JobWork { machine, files, ..work() }))
 }
 
 struct Bench {
     runtime: tokio::runtime::Runtime,
     power: Arc<Power>,
-    store: Store,
+    store: DataFolder,
     ledger: Option<LocalLedger>,
 }
 
@@ -242,7 +244,7 @@ impl Bench {
     }
 
     /// Does an operation; returns the record that a submit was answered with.
-    fn apply(&self, operation: Operation) -> Result<Option<Record>, Refusal> {
+    fn apply(&self, operation: Operation) -> Result<Option<JobRecord>, Refusal> {
         let ledger = self.ledger();
         let run = &self.runtime;
         match operation {
@@ -253,7 +255,7 @@ impl Bench {
                     Box::new(|_| ()),
                 ))?;
                 return Ok(Some(match submitted {
-                    Submitted::New(record) | Submitted::Known(record) => *record,
+                    SubmitOutcome::New(record) | SubmitOutcome::Known(record) => *record,
                 }));
             }
             Operation::Cancel(id) => run.block_on(ledger.flag_cancel(id))?,
@@ -310,8 +312,8 @@ impl Bench {
             let own = || twin.jobs.values().filter(|job| job.tenant == tenant);
             let query = Query { tenant: tenant.to_owned(), count: usize::MAX, ..Query::default() };
             same("list", ledger.jobs(&query).unwrap().jobs.iter().eq(own()))?;
-            let failed = Query { states: BTreeSet::from([State::Failed]), newest_first: true, ..query.clone() };
-            let expected = own().rev().filter(|job| job.state == State::Failed);
+            let failed = Query { states: BTreeSet::from([JobState::Failed]), newest_first: true, ..query.clone() };
+            let expected = own().rev().filter(|job| job.state == JobState::Failed);
             same("failed", ledger.jobs(&failed).unwrap().jobs.iter().eq(expected))?;
             let labels = BTreeMap::from([("part".to_owned(), "1".to_owned())]);
             let expected = own().filter(|job| job.asked.labels == labels && job.machine.name == "m");
@@ -353,7 +355,7 @@ impl Bench {
 fn drive(seed: u64, steps: usize) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let power = Arc::new(Power(AtomicI64::new(-1)));
-    let store = Store::open(folder.path().to_owned(), true, Disk::faulty(power.clone())).unwrap();
+    let store = DataFolder::open(folder.path().to_owned(), true, Disk::faulty(power.clone())).unwrap();
     let ledger = Some(LocalLedger::open(&store, Arc::new(Metrics::new())).unwrap());
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     let mut bench = Bench { runtime, power, store, ledger };

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, readable, storage, works};
-use crate::ledger::record::Record;
-use crate::ledger::{Ended, Keep, Kept};
-use crate::local::store::Store;
+use crate::ledger::record::JobRecord;
+use crate::ledger::{EndedJob, Keep, TenantRetention};
+use crate::local::store::DataFolder;
 use crate::reason::Refusal;
 
 /// Time of the end and identity → bytes of work, log, files and results, and tenant.
@@ -19,7 +19,7 @@ pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDef
 const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
 /// Lists a job that has ended, with its bytes; returns those that it was listed with before.
-pub(super) fn list(tables: &Tables<'_>, record: &Record, bytes: u64) -> Result<Option<u64>, Refusal> {
+pub(super) fn list(tables: &TransactionTables<'_>, record: &JobRecord, bytes: u64) -> Result<Option<u64>, Refusal> {
     let mut table = tables.ended()?;
     let key = (record.ages_from(), record.id.as_str());
     let before = table.insert(key, (bytes, record.tenant.as_str())).map_err(storage)?;
@@ -27,7 +27,7 @@ pub(super) fn list(tables: &Tables<'_>, record: &Record, bytes: u64) -> Result<O
 }
 
 /// Takes a job out of the list; returns its bytes.
-pub(super) fn unlist(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
+pub(super) fn unlist(tables: &TransactionTables<'_>, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
     let mut table = tables.ended()?;
     let before = table.remove((ended_ms, id)).map_err(storage)?;
     Ok(before.map_or(0, |row| row.value().0))
@@ -45,13 +45,14 @@ pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(i64, String)>, R
 }
 
 /// Lists all jobs that have ended, with the bytes of their folders.
-pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+pub(super) fn list_all(txn: &WriteTransaction, store: &DataFolder) -> Result<(), Refusal> {
     let mut ended = txn.open_table(ENDED).map_err(storage)?;
     ended.retain(|_, _| false).map_err(storage)?;
-    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
+    let (tables, jobs) = (TransactionTables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()).filter(|record| record.state.ended()) {
+        if let Some(record) = readable::<JobRecord>(JOB, id.value(), row.value()).filter(|record| record.state.ended())
+        {
             let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
             let bytes = bytes.saturating_add(works::bytes(&tables, id.value())?);
             ended.insert((record.ages_from(), id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
@@ -68,7 +69,7 @@ pub(super) fn with_tenants(txn: &WriteTransaction) -> Result<(), Refusal> {
         for row in earlier.iter().map_err(storage)? {
             let (key, bytes) = row.map_err(storage)?;
             let row = jobs.get(key.value().1).map_err(storage)?;
-            if let Some(record) = row.and_then(|row| readable::<Record>(JOB, key.value().1, row.value())) {
+            if let Some(record) = row.and_then(|row| readable::<JobRecord>(JOB, key.value().1, row.value())) {
                 ended.insert(key.value(), (bytes.value(), record.tenant.as_str())).map_err(storage)?;
             }
         }
@@ -78,12 +79,12 @@ pub(super) fn with_tenants(txn: &WriteTransaction) -> Result<(), Refusal> {
 
 /// Jobs and their bytes.
 #[derive(Default)]
-struct Sum {
+struct JobTotals {
     jobs: u64,
     bytes: u64,
 }
 
-impl Sum {
+impl JobTotals {
     fn add(&mut self, bytes: u64) {
         (self.jobs, self.bytes) = (self.jobs + 1, self.bytes.saturating_add(bytes));
     }
@@ -98,13 +99,13 @@ impl Sum {
 }
 
 /// Up to `most` ended jobs beyond the retention limits, oldest first.
-pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
+pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<EndedJob>, Refusal> {
     let table = txn.open_table(ENDED).map_err(storage)?;
-    let mut all = Sum { jobs: table.len().map_err(storage)?, bytes: 0 };
-    let mut tenants: BTreeMap<String, Sum> = BTreeMap::new();
-    let counts = |kept: &Kept| kept.jobs.is_some() || kept.bytes.is_some();
+    let mut all = JobTotals { jobs: table.len().map_err(storage)?, bytes: 0 };
+    let mut tenants: BTreeMap<String, JobTotals> = BTreeMap::new();
+    let counts = |kept: &TenantRetention| kept.jobs.is_some() || kept.bytes.is_some();
     let by_tenant = counts(&keep.of("")) || keep.own.values().any(counts);
-    let crowds = |tenant: &str, own: &Sum| {
+    let crowds = |tenant: &str, own: &JobTotals| {
         let kept = keep.of(tenant);
         own.over(kept.jobs, kept.bytes)
     };
@@ -117,7 +118,7 @@ pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usi
             all.bytes = all.bytes.saturating_add(bytes);
             match tenants.get_mut(tenant) {
                 Some(own) => own.add(bytes),
-                None if by_tenant => drop(tenants.insert(tenant.to_owned(), Sum { jobs: 1, bytes })),
+                None if by_tenant => drop(tenants.insert(tenant.to_owned(), JobTotals { jobs: 1, bytes })),
                 None => {}
             }
         }
@@ -142,7 +143,7 @@ pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usi
             own.subtract(bytes);
             crowded -= usize::from(own_over && !crowds(tenant, own));
         }
-        found.push(Ended { id: id.to_owned(), ended_ms });
+        found.push(EndedJob { id: id.to_owned(), ended_ms });
     }
     Ok(found)
 }
@@ -152,7 +153,7 @@ mod tests {
     use redb::{Database, ReadableDatabase};
 
     use super::*;
-    use crate::ledger::record::State;
+    use crate::ledger::record::JobState;
     use crate::ledger::record::tests::record;
 
     #[test]
@@ -162,8 +163,8 @@ mod tests {
         let txn = database.begin_write().unwrap();
         // Ended in another order than accepted.
         for (id, ended_ms, bytes) in [("a", 300, 10), ("b", 100, 20), ("c", 200, 30), ("d", 400, 40)] {
-            let ended = Record { state: State::Succeeded, ended_ms, ..record(id) };
-            list(&Tables::of(&txn), &ended, bytes).unwrap();
+            let ended = JobRecord { state: JobState::Succeeded, ended_ms, ..record(id) };
+            list(&TransactionTables::of(&txn), &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {
@@ -181,7 +182,7 @@ mod tests {
         assert_eq!(expired(Keep { bytes: Some(0), age_ms: Some(1), ..keep() }, 9), "bcad");
         assert_eq!(expired(Keep { jobs: Some(3), age_ms: Some(750), bytes: Some(49), ..keep() }, 9), "bca");
         let txn = database.begin_write().unwrap();
-        unlist(&Tables::of(&txn), "b", 100).unwrap();
+        unlist(&TransactionTables::of(&txn), "b", 100).unwrap();
         txn.commit().unwrap();
         assert_eq!(expired(Keep { jobs: Some(2), ..keep() }, 9), "c");
     }
@@ -198,8 +199,8 @@ mod tests {
             ("d", "one", 400, 70),
             ("e", "two", 500, 20),
         ] {
-            let ended = Record { state: State::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
-            list(&Tables::of(&txn), &ended, bytes).unwrap();
+            let ended = JobRecord { state: JobState::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
+            list(&TransactionTables::of(&txn), &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {
@@ -216,12 +217,15 @@ mod tests {
         assert_eq!(expired(Keep { tenant_jobs: Some(2), jobs: Some(3), ..keep() }, 9), "ab", "what goes counts once");
         assert_eq!(expired(Keep { tenant_bytes: Some(75), age_ms: Some(750), ..keep() }, 9), "abc");
         let own = |kept| BTreeMap::from([("one".to_owned(), kept)]);
-        let kept = Kept::default;
-        assert_eq!(expired(Keep { own: own(Kept { jobs: Some(1), ..kept() }), ..keep() }, 9), "ac");
-        assert_eq!(expired(Keep { own: own(Kept { age_ms: Some(650), ..kept() }), ..keep() }, 9), "ac");
+        let kept = TenantRetention::default;
+        assert_eq!(expired(Keep { own: own(TenantRetention { jobs: Some(1), ..kept() }), ..keep() }, 9), "ac");
+        assert_eq!(expired(Keep { own: own(TenantRetention { age_ms: Some(650), ..kept() }), ..keep() }, 9), "ac");
         assert_eq!(expired(Keep { own: own(kept()), tenant_jobs: Some(1), age_ms: Some(750), ..keep() }, 9), "b");
         assert_eq!(
-            expired(Keep { own: own(Kept { bytes: Some(75), ..kept() }), tenant_jobs: Some(1), ..keep() }, 9),
+            expired(
+                Keep { own: own(TenantRetention { bytes: Some(75), ..kept() }), tenant_jobs: Some(1), ..keep() },
+                9
+            ),
             "abc"
         );
         assert_eq!(expired(Keep { own: own(kept()), bytes: Some(105), ..keep() }, 9), "ab", "all count for the whole");

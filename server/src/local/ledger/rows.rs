@@ -6,10 +6,10 @@ use redb::{ReadableTable, TableHandle as _};
 use serde::Deserialize;
 use uuid::Uuid;
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
-use crate::ledger::record::{Record, Work};
-use crate::ledger::{Submitted, time_of};
+use crate::ledger::record::{JobRecord, JobWork};
+use crate::ledger::{SubmitOutcome, time_of};
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -32,7 +32,7 @@ const MOST_BACK_MS: i64 = 60_000;
 
 /// The next identity, ascending in order of acceptance, and the time of the submit, ms since 1970. `now` contains the
 /// time of the clock, which may have been set back.
-pub(super) fn next_job(tables: &Tables<'_>, now: Uuid) -> Result<(String, i64), Refusal> {
+pub(super) fn next_job(tables: &TransactionTables<'_>, now: Uuid) -> Result<(String, i64), Refusal> {
     let table = tables.job()?;
     let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
     Ok((after(last, now).to_string(), submitted_ms(last.map_or(0, time_of), time_of(now))))
@@ -53,7 +53,7 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 }
 
 /// Stores that jobs are no longer suspects, unless they have ended.
-pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> {
+pub(super) fn clear(tables: &TransactionTables<'_>, ids: &[String]) -> Result<(), Refusal> {
     for id in ids {
         // A damaged row is reported when the job is read.
         let Ok(Some(mut record)) = get(tables, id) else { continue };
@@ -65,7 +65,7 @@ pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> 
 }
 
 /// Stores a new state of a job. A cancel or a pause that was stored after the caller copied the record is kept.
-pub(super) fn renew(tables: &Tables<'_>, mut record: Record) -> Result<(), Refusal> {
+pub(super) fn renew(tables: &TransactionTables<'_>, mut record: JobRecord) -> Result<(), Refusal> {
     // A damaged row is replaced.
     if let Ok(Some(stored)) = flags(tables, &record.id) {
         record.cancel |= stored.cancel;
@@ -77,34 +77,34 @@ pub(super) fn renew(tables: &Tables<'_>, mut record: Record) -> Result<(), Refus
 /// The requests of clients about a job, in its row.
 #[derive(Default, Deserialize)]
 #[serde(default)]
-struct Flags {
+struct JobFlags {
     cancel: bool,
     paused: bool,
 }
 
-fn flags(tables: &Tables<'_>, id: &str) -> Result<Option<Flags>, Refusal> {
+fn flags(tables: &TransactionTables<'_>, id: &str) -> Result<Option<JobFlags>, Refusal> {
     let table = tables.job()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(JOB, id, row.value())).transpose()
 }
 
 /// Stores that the cancel of a job was accepted, even if its end has been stored meanwhile.
-pub(super) fn flag_cancel(tables: &Tables<'_>, id: &str) -> Result<(), Refusal> {
+pub(super) fn flag_cancel(tables: &TransactionTables<'_>, id: &str) -> Result<(), Refusal> {
     match get(tables, id)? {
-        Some(record) => put_row(tables, &Record { cancel: true, ..record }),
+        Some(record) => put_row(tables, &JobRecord { cancel: true, ..record }),
         None => Ok(()),
     }
 }
 
 /// Stores the row of a job alone; its lists do not depend on the change.
-fn put_row(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+fn put_row(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     let bytes = seal::json(JOB.name(), &record.id, record)?;
     tables.job()?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
     Ok(())
 }
 
 /// Stores the row of a job; an ended job is added to the list of ended jobs.
-pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+pub(super) fn put(tables: &TransactionTables<'_>, record: &JobRecord) -> Result<(), Refusal> {
     put_row(tables, record)?;
     if !record.state.ended() {
         return Ok(());
@@ -117,13 +117,13 @@ pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
 }
 
 /// Removes an ended job with all its rows; `false` if the job was removed before.
-pub(super) fn take_out(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
+pub(super) fn take_out(tables: &TransactionTables<'_>, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
     let bytes = retention::unlist(tables, id, ended_ms)?;
     let row = tables.job()?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     tables.log()?.remove(id).map_err(storage)?;
     let work = works::remove(tables, id)?;
     let Some(row) = row else { return Ok(false) };
-    let Some(record) = readable::<Record>(JOB, id, &row) else { return Ok(true) };
+    let Some(record) = readable::<JobRecord>(JOB, id, &row) else { return Ok(true) };
     tables.request()?.remove(tenant::key(&record.tenant, &record.request_id).as_str()).map_err(storage)?;
     index::remove(tables, &record)?;
     equal::remove(tables, &record)?;
@@ -135,7 +135,7 @@ pub(super) fn take_out(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<b
 }
 
 /// The row of a job.
-pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Record>, Refusal> {
+pub(super) fn get(tables: &TransactionTables<'_>, id: &str) -> Result<Option<JobRecord>, Refusal> {
     let table = tables.job()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(JOB, id, row.value())).transpose()
@@ -143,16 +143,20 @@ pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Record>, Refus
 
 /// The answer to a submit whose request id is known.
 pub(super) fn same(
-    tables: &Tables<'_>,
-    known: Record,
-    asked: &Record,
-    asked_work: &Work,
-) -> Result<Submitted, Refusal> {
+    tables: &TransactionTables<'_>,
+    known: JobRecord,
+    asked: &JobRecord,
+    asked_work: &JobWork,
+) -> Result<SubmitOutcome, Refusal> {
     let same = match known.asks_the_same(asked) {
         Some(same) => same,
         None => works::get(tables, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
     };
-    if same { Ok(Submitted::Known(Box::new(known))) } else { Err(Refusal::RequestIdReused(asked.request_id.clone())) }
+    if same {
+        Ok(SubmitOutcome::Known(Box::new(known)))
+    } else {
+        Err(Refusal::RequestIdReused(asked.request_id.clone()))
+    }
 }
 
 #[cfg(test)]
@@ -179,13 +183,13 @@ mod tests {
         let backend = redb::backends::InMemoryBackend::new();
         let database = redb::Database::builder().create_with_backend(backend).unwrap();
         let txn = database.begin_write().unwrap();
-        let tables = Tables::of(&txn);
+        let tables = TransactionTables::of(&txn);
         let mut last = String::new();
         clock.map(|ms| {
             let at = Timestamp::from_unix(NoContext, ms / 1000, (ms % 1000) as u32 * 1_000_000);
             let (id, submitted_ms) = next_job(&tables, Uuid::new_v7(at)).unwrap();
             assert!(id > last, "identities ascend");
-            put(&tables, &Record { submitted_ms, ..record(&id) }).unwrap();
+            put(&tables, &JobRecord { submitted_ms, ..record(&id) }).unwrap();
             last = id;
             submitted_ms
         })

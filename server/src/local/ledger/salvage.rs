@@ -10,16 +10,16 @@ use std::path::PathBuf;
 
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHandle as _};
 
-use super::writer::Place;
+use super::writer::LedgerLocation;
 use super::{
     JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, parse, retention, rows, schema,
     seal, storage, usage, works,
 };
-use crate::ledger::record::{Record, Work};
+use crate::ledger::record::{JobRecord, JobWork};
 use crate::local::contained::{contained, damaged};
-use crate::local::named::{Named as _, named};
-use crate::local::store::Store;
-use crate::machines::Definition;
+use crate::local::named::{PathContext as _, named};
+use crate::local::store::DataFolder;
+use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -85,7 +85,7 @@ fn from_both_ends(txn: &ReadTransaction, table: Rows<'_>, saved: &mut Contents) 
 /// Which of two rows under one key is the later one: of a job the one that has ended, of other rows the longer one.
 fn later(table: usize, key: &str, one: &[u8], other: &[u8]) -> bool {
     if table == 0 {
-        let ended = |row: &[u8]| rows::readable::<Record>(JOB, key, row).is_some_and(|record| record.state.ended());
+        let ended = |row: &[u8]| rows::readable::<JobRecord>(JOB, key, row).is_some_and(|record| record.state.ended());
         return ended(one) && !ended(other);
     }
     one.len() > other.len()
@@ -110,8 +110,8 @@ impl Saved {
     ///
     /// # Errors
     /// When nothing can be read.
-    pub(crate) fn read(store: &Store) -> Result<Self, Refusal> {
-        let place = Place::File(store.ledger(), store.disk().clone());
+    pub(crate) fn read(store: &DataFolder) -> Result<Self, Refusal> {
+        let place = LedgerLocation::File(store.ledger(), store.disk().clone());
         let mut best: Option<Self> = None;
         let mut requests = BTreeMap::new();
         for mut database in place.states() {
@@ -146,7 +146,7 @@ impl Saved {
 
     /// Adds rows that the damage hides from their tables. A machine of which there are several definitions is left out:
     /// it is not known which of them counts.
-    fn hidden(&mut self, store: &Store) -> Result<(), Refusal> {
+    fn hidden(&mut self, store: &DataFolder) -> Result<(), Refusal> {
         let mut found: [Contents; 4] = Default::default();
         let mut unsure = BTreeSet::new();
         leaves::rows(&store.ledger(), &TABLES.each_ref().map(|table| table.name()), |table, key, row| {
@@ -191,7 +191,7 @@ impl Saved {
         self.doubtful.iter().map(String::as_str)
     }
 
-    fn collect(&mut self, txn: &ReadTransaction, store: &Store) {
+    fn collect(&mut self, txn: &ReadTransaction, store: &DataFolder) {
         let number = |key: &str| {
             let read =
                 || Ok(txn.open_table(schema::META).map_err(storage)?.get(key).map_err(storage)?.map(|row| row.value()));
@@ -223,7 +223,7 @@ impl Saved {
     /// Numbers of jobs and rows of machines that can be read. A repair removes the others from the new ledger.
     pub(crate) fn counts(&self) -> (usize, usize) {
         let jobs = self.jobs.iter().filter(|(id, row)| self.is_job(id, row)).count();
-        let is_machine = |(key, row): &(&String, &Vec<u8>)| parse::<Definition>(MACHINE, key, row).is_ok();
+        let is_machine = |(key, row): &(&String, &Vec<u8>)| parse::<MachineRecord>(MACHINE, key, row).is_ok();
         (jobs, self.machines.iter().filter(is_machine).count())
     }
 
@@ -236,14 +236,14 @@ impl Saved {
     /// Whether a row of a job and its work can be read. In early ledgers the row itself has the work.
     fn is_job(&self, id: &str, row: &[u8]) -> bool {
         let has_work = match self.works.get(id) {
-            Some(work) => parse::<Work>(works::WORK, id, work).is_ok(),
-            None => parse::<Work>(JOB, id, row).is_ok(),
+            Some(work) => parse::<JobWork>(works::WORK, id, work).is_ok(),
+            None => parse::<JobWork>(JOB, id, row).is_ok(),
         };
-        has_work && parse::<Record>(JOB, id, row).is_ok()
+        has_work && parse::<JobRecord>(JOB, id, row).is_ok()
     }
 
     /// The place of the damaged ledger beside the new one; those of earlier repairs stay.
-    pub(crate) fn kept(store: &Store) -> PathBuf {
+    pub(crate) fn kept(store: &DataFolder) -> PathBuf {
         let names = (2..).map(|number| format!("redb.damaged.{number}"));
         let names =
             std::iter::once("redb.damaged".to_owned()).chain(names).map(|name| store.ledger().with_extension(name));
@@ -251,13 +251,13 @@ impl Saved {
     }
 
     /// Puts a new ledger of these rows in the place of the damaged one, which is kept beside it.
-    pub(crate) fn replace(&self, store: &Store) -> Result<(), Refusal> {
+    pub(crate) fn replace(&self, store: &DataFolder) -> Result<(), Refusal> {
         let (old, new) = (store.ledger(), store.ledger().with_extension("redb.new"));
         match fs::remove_file(&new) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(named(&new, error).into()),
             _ => {}
         }
-        let place = Place::File(new.clone(), store.disk().clone());
+        let place = LedgerLocation::File(new.clone(), store.disk().clone());
         let written = place.open().and_then(|database| self.write(&database, store));
         if let Err(error) = written {
             let _ = fs::remove_file(&new);
@@ -269,7 +269,7 @@ impl Saved {
         Ok(store.sync_root()?)
     }
 
-    fn write(&self, database: &Database, store: &Store) -> Result<(), Refusal> {
+    fn write(&self, database: &Database, store: &DataFolder) -> Result<(), Refusal> {
         let txn = database.begin_write().map_err(storage)?;
         schema::migrate(&txn, store)?;
         for (table, saved) in
@@ -285,7 +285,7 @@ impl Saved {
         {
             let mut requests = txn.open_table(REQUEST).map_err(storage)?;
             for (id, row) in &self.jobs {
-                if let Some(record) = rows::readable::<Record>(JOB, id, row) {
+                if let Some(record) = rows::readable::<JobRecord>(JOB, id, row) {
                     let request = tenant::key(&record.tenant, &record.request_id);
                     requests.insert(request.as_str(), id.as_str()).map_err(storage)?;
                 }

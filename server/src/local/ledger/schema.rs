@@ -9,13 +9,13 @@ use super::{
     JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, retention, seal, storage, usage, works,
 };
 use crate::ledger::record::now_ms;
-use crate::local::store::Store;
+use crate::local::store::DataFolder;
 use crate::reason::Refusal;
 
 pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
 /// A step from one form to the next.
-type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
+type Step = fn(&WriteTransaction, &DataFolder) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
 const STEPS: &[Step] =
@@ -25,7 +25,7 @@ const STEPS: &[Step] =
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
 
 /// Brings a ledger to the form of this server, or creates its tables. Returns the form that it had, if it had one.
-pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u64>, Refusal> {
+pub(super) fn migrate(txn: &WriteTransaction, store: &DataFolder) -> Result<Option<u64>, Refusal> {
     let before = txn.open_table(META).map_err(storage)?.get("schema").map_err(storage)?.map(|row| row.value());
     if let Some(later) = before.filter(|before| *before > SCHEMA) {
         return Err(Refusal::DataLoss(format!(
@@ -47,53 +47,53 @@ pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u6
 }
 
 /// 1 → 2: logs of at most 16 KiB are rows of the ledger. Those of earlier jobs stay in their files.
-fn small_logs(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn small_logs(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     txn.open_table(LOG).map(drop).map_err(storage)
 }
 
 /// 2 → 3: rows that need each blob are counted.
-fn blob_counts(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn blob_counts(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     blob_refs::count_all(txn)
 }
 
 /// 3 → 4: ended jobs are listed by the time of their end, with their bytes.
-fn ended_jobs(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+fn ended_jobs(txn: &WriteTransaction, store: &DataFolder) -> Result<(), Refusal> {
     retention::list_all(txn, store)
 }
 
 /// 4 → 5: rows belong to tenants; earlier ones to the tenant `default`, which changes nothing in them.
-fn tenants(_txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn tenants(_txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     Ok(())
 }
 
 /// 5 → 6: jobs are listed by state, machine and label, and the usage of tenants is counted.
-fn terms_and_usage(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn terms_and_usage(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     index::list_all(txn)?;
     usage::count_all(txn)
 }
 
 /// 6 → 7: ended jobs are listed with their tenants, and the time that tenants have used is processor time in µs. The
 /// time by the clock of the last day counts as such.
-fn ended_of_tenants(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn ended_of_tenants(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     retention::with_tenants(txn)?;
     usage::count_all(txn)?;
     usage::in_micros(txn)
 }
 
 /// 7 → 8: the work of a job is a row of its own.
-fn works_of_jobs(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn works_of_jobs(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     works::split_all(txn)
 }
 
 /// 8 → 9: the bytes of requests and machines count.
-fn all_bytes(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+fn all_bytes(txn: &WriteTransaction, store: &DataFolder) -> Result<(), Refusal> {
     retention::list_all(txn, store)?;
     usage::count_all(txn)?;
     machine_bytes::count_all(txn)
 }
 
 /// 9 → 10: every row of a job, a machine, a log and a work has a checksum.
-fn seals(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+fn seals(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
     for table in [JOB, works::WORK, MACHINE, LOG] {
         let mut rows = txn.open_table(table).map_err(storage)?;
         let mut plain = Vec::new();
@@ -112,7 +112,7 @@ fn seals(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
 }
 
 /// Gives the files of macros of earlier versions their checksums, once.
-pub(super) fn seal_files(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+pub(super) fn seal_files(txn: &WriteTransaction, store: &DataFolder) -> Result<(), Refusal> {
     let mut table = txn.open_table(META).map_err(storage)?;
     if table.get("files").map_err(storage)?.is_none() {
         if store.durable() {

@@ -1,7 +1,7 @@
 //! The tables of a transaction, each opened once for all operations of a group.
 //!
 //! Opening and closing a table costs as much as changing a row. *Invariant:* a table is open here or in the transaction
-//! itself, never in both at the same time: [`Tables::alone`] closes all tables first.
+//! itself, never in both at the same time: [`TransactionTables::alone`] closes all tables first.
 
 use std::cell::{RefCell, RefMut};
 
@@ -16,7 +16,7 @@ type Slot<'t, K, V> = RefCell<Option<Table<'t, K, V>>>;
 type Open<'a, 't, K, V> = Result<RefMut<'a, Table<'t, K, V>>, Refusal>;
 
 /// The transaction of a group, and the tables that it has open.
-pub(super) struct Tables<'t> {
+pub(super) struct TransactionTables<'t> {
     txn: &'t WriteTransaction,
     job: Slot<'t, &'static str, &'static [u8]>,
     work: Slot<'t, &'static str, &'static [u8]>,
@@ -41,7 +41,7 @@ fn open<'a, 't, K: Key + 'static, V: Value + 'static>(
     RefMut::filter_map(slot, Option::as_mut).map_err(|_| storage("a table is not open"))
 }
 
-impl<'t> Tables<'t> {
+impl<'t> TransactionTables<'t> {
     /// Of a transaction that has no table open.
     pub(super) fn of(txn: &'t WriteTransaction) -> Self {
         Self {

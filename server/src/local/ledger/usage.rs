@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, readable, retention, storage};
-use crate::ledger::record::Record;
+use crate::ledger::record::JobRecord;
 use crate::ledger::{Usage, day};
 use crate::reason::Refusal;
 
@@ -35,7 +35,7 @@ pub(super) fn all(txn: &ReadTransaction) -> Result<Vec<(String, Usage)>, Refusal
     rows.collect()
 }
 
-fn change(tables: &Tables<'_>, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
+fn change(tables: &TransactionTables<'_>, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
     let mut table = tables.usage()?;
     let mut now = table.get(tenant).map_err(storage)?.map(|row| usage(row.value())).unwrap_or_default();
     change(&mut now);
@@ -44,7 +44,12 @@ fn change(tables: &Tables<'_>, tenant: &str, change: impl FnOnce(&mut Usage)) ->
 }
 
 /// A job has ended that takes this many bytes, and took so many in the list before if it was there.
-pub(super) fn ended(tables: &Tables<'_>, record: &Record, bytes: u64, before: Option<u64>) -> Result<(), Refusal> {
+pub(super) fn ended(
+    tables: &TransactionTables<'_>,
+    record: &JobRecord,
+    bytes: u64,
+    before: Option<u64>,
+) -> Result<(), Refusal> {
     change(tables, &record.tenant, |usage| {
         usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(bytes);
         if before.is_none() {
@@ -56,7 +61,7 @@ pub(super) fn ended(tables: &Tables<'_>, record: &Record, bytes: u64, before: Op
 }
 
 /// A job that took this many bytes is removed.
-pub(super) fn removed(tables: &Tables<'_>, tenant: &str, bytes: u64) -> Result<(), Refusal> {
+pub(super) fn removed(tables: &TransactionTables<'_>, tenant: &str, bytes: u64) -> Result<(), Refusal> {
     change(tables, tenant, |usage| usage.bytes = usage.bytes.saturating_sub(bytes))
 }
 
@@ -81,7 +86,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let mut jobs = Vec::new();
     for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        jobs.extend(readable::<Record>(JOB, id.value(), row.value()).map(|record| (record.id, record.tenant)));
+        jobs.extend(readable::<JobRecord>(JOB, id.value(), row.value()).map(|record| (record.id, record.tenant)));
     }
     let bytes = counted(jobs.into_iter(), &listed);
     let mut table = txn.open_table(USAGE).map_err(storage)?;
@@ -115,7 +120,7 @@ pub(super) fn in_micros(txn: &WriteTransaction) -> Result<(), Refusal> {
 }
 
 /// Whether the bytes agree with the list of ended jobs.
-pub(super) fn agree(txn: &ReadTransaction, jobs: &[Record]) -> Result<bool, Refusal> {
+pub(super) fn agree(txn: &ReadTransaction, jobs: &[JobRecord]) -> Result<bool, Refusal> {
     let mut listed = BTreeMap::new();
     for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
         let (key, row) = row.map_err(storage)?;

@@ -6,9 +6,9 @@ use std::collections::BTreeSet;
 
 use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{JOB, parse, readable, rows, seal, storage};
-use crate::ledger::record::{Record, Work};
+use crate::ledger::record::{JobRecord, JobWork};
 use crate::ledger::settled::Settled;
 use crate::reason::Refusal;
 
@@ -16,21 +16,21 @@ use crate::reason::Refusal;
 pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
 
 /// Stores the work of a job.
-pub(super) fn put(tables: &Tables<'_>, id: &str, work: &Work) -> Result<(), Refusal> {
+pub(super) fn put(tables: &TransactionTables<'_>, id: &str, work: &JobWork) -> Result<(), Refusal> {
     let bytes = seal::json(WORK.name(), id, work)?;
     tables.work()?.insert(id, bytes.as_slice()).map_err(storage)?;
     Ok(())
 }
 
 /// The work of a job, if there is one.
-pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Work>, Refusal> {
+pub(super) fn get(tables: &TransactionTables<'_>, id: &str) -> Result<Option<JobWork>, Refusal> {
     let table = tables.work()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(WORK, id, row.value())).transpose()
 }
 
 /// Adds the outcome of a question to the work of a job, unless the job has ended.
-pub(super) fn settle(tables: &Tables<'_>, id: &str, settled: Settled) -> Result<(), Refusal> {
+pub(super) fn settle(tables: &TransactionTables<'_>, id: &str, settled: Settled) -> Result<(), Refusal> {
     match (rows::get(tables, id)?, get(tables, id)?) {
         (Some(record), Some(mut work)) if !record.state.ended() => {
             work.settle(settled);
@@ -41,27 +41,27 @@ pub(super) fn settle(tables: &Tables<'_>, id: &str, settled: Settled) -> Result<
 }
 
 /// The work of a job as a reader sees it.
-pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<Work>, Refusal> {
+pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<JobWork>, Refusal> {
     let table = txn.open_table(WORK).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(WORK, id, row.value())).transpose()
 }
 
 /// Bytes of the work of a job.
-pub(super) fn bytes(tables: &Tables<'_>, id: &str) -> Result<u64, Refusal> {
+pub(super) fn bytes(tables: &TransactionTables<'_>, id: &str) -> Result<u64, Refusal> {
     let table = tables.work()?;
     Ok(table.get(id).map_err(storage)?.map_or(0, |row| row.value().len() as u64))
 }
 
 /// Removes the work of a job and returns it, if it can be read.
-pub(super) fn remove(tables: &Tables<'_>, id: &str) -> Result<Option<Work>, Refusal> {
+pub(super) fn remove(tables: &TransactionTables<'_>, id: &str) -> Result<Option<JobWork>, Refusal> {
     let mut table = tables.work()?;
     let row = table.remove(id).map_err(storage)?;
     Ok(row.and_then(|row| readable(WORK, id, row.value())))
 }
 
 /// The work of a job wherever a ledger of any schema has it; `row` is the row of the job.
-pub(super) fn anywhere(txn: &WriteTransaction, id: &str, row: &[u8]) -> Result<Option<Work>, Refusal> {
+pub(super) fn anywhere(txn: &WriteTransaction, id: &str, row: &[u8]) -> Result<Option<JobWork>, Refusal> {
     match txn.open_table(WORK).map_err(storage)?.get(id).map_err(storage)? {
         Some(work) => Ok(readable(WORK, id, work.value())),
         None => Ok(readable(JOB, id, row)),
@@ -92,12 +92,13 @@ pub(super) fn split_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     }
     for id in ids {
         let Some(row) = jobs.get(id.as_str()).map_err(storage)?.map(|row| row.value().to_vec()) else { continue };
-        let (Some(record), Some(work)) = (readable::<Record>(JOB, &id, &row), readable::<Work>(JOB, &id, &row)) else {
+        let (Some(record), Some(work)) = (readable::<JobRecord>(JOB, &id, &row), readable::<JobWork>(JOB, &id, &row))
+        else {
             continue;
         };
-        put(&Tables::of(txn), &id, &work)?;
+        put(&TransactionTables::of(txn), &id, &work)?;
         let (attended, stepped) = (work.options.attended, work.options.stepped);
-        let bytes = seal::json(JOB.name(), &id, &Record { attended, stepped, ..record })?;
+        let bytes = seal::json(JOB.name(), &id, &JobRecord { attended, stepped, ..record })?;
         jobs.insert(id.as_str(), bytes.as_slice()).map_err(storage)?;
     }
     Ok(())

@@ -15,13 +15,13 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::file::{Frozen, LedgerFile};
 use super::pace::Paces;
-use super::tables::Tables;
+use super::tables::TransactionTables;
 use super::{compact, storage};
 use crate::ledger::Compacted;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::named::is_of_host;
-use crate::local::store::Store;
+use crate::local::store::DataFolder;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
@@ -36,22 +36,22 @@ const LOOK: Duration = Duration::from_millis(10);
 
 pub(super) type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 /// Work in a transaction; dropping it answers that the ledger cannot be written.
-pub(super) type Work = Box<dyn FnOnce(&Tables<'_>) -> Reply + Send>;
+pub(super) type Work = Box<dyn FnOnce(&TransactionTables<'_>) -> Reply + Send>;
 
 /// The operation to write, and its tenant: a number of its own, 0 for the server itself.
-pub(super) struct Operation {
+pub(super) struct LedgerOperation {
     pub(super) tenant: u64,
     pub(super) work: Work,
 }
 
 /// Where the ledger lies.
 #[derive(Debug, Clone)]
-pub(super) enum Place {
+pub(super) enum LedgerLocation {
     Memory,
     File(PathBuf, Disk),
 }
 
-impl Place {
+impl LedgerLocation {
     /// Opens or creates the database.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ const SECOND: u8 = 1;
 const UNCLOSED: u8 = 2;
 const IN_TWO: u8 = 4;
 
-impl Place {
+impl LedgerLocation {
     /// The durable states that the file may hold, to be read only: the last one as it is, the last one with the
     /// database's own tables made anew, and the one before it; with the length that the head of the file tells, and with
     /// that of the file.
@@ -140,8 +140,8 @@ fn unusable(error: redb::DatabaseError) -> Refusal {
 
 /// Data that the writer shares with readers.
 #[derive(Debug)]
-pub(super) struct Shared {
-    pub(super) place: Place,
+pub(super) struct LedgerDatabase {
+    pub(super) place: LedgerLocation,
     pub(super) database: RwLock<Option<Arc<Database>>>,
     /// Whether operations can be done.
     pub(super) writable: watch::Sender<bool>,
@@ -150,7 +150,7 @@ pub(super) struct Shared {
     pub(super) compactions: Mutex<Vec<oneshot::Sender<Result<Compacted, Refusal>>>>,
 }
 
-impl Shared {
+impl LedgerDatabase {
     pub(super) fn current(&self) -> Option<Arc<Database>> {
         self.database.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -192,7 +192,7 @@ impl Shared {
 }
 
 /// Compacts the file for all callers that wait for that; `false` if the ledger cannot be written any more.
-fn compact_if_asked(shared: &Shared, store: &Store) -> bool {
+fn compact_if_asked(shared: &LedgerDatabase, store: &DataFolder) -> bool {
     let callers = std::mem::take(&mut *shared.compactions.lock().unwrap_or_else(PoisonError::into_inner));
     if callers.is_empty() {
         return true;
@@ -208,7 +208,7 @@ fn compact_if_asked(shared: &Shared, store: &Store) -> bool {
 }
 
 /// Life of the writer thread: ends when all handles are gone.
-pub(super) fn write(shared: &Shared, store: &Store, mut queue: mpsc::Receiver<Operation>) {
+pub(super) fn write(shared: &LedgerDatabase, store: &DataFolder, mut queue: mpsc::Receiver<LedgerOperation>) {
     let mut pause = FIRST_PAUSE;
     let mut paces = Paces::default();
     // Its timer; without one there are no pauses.
@@ -248,7 +248,7 @@ pub(super) fn write(shared: &Shared, store: &Store, mut queue: mpsc::Receiver<Op
 }
 
 /// Adds an operation to a group; returns whether it may wait for others.
-fn add(group: &mut Vec<Operation>, operation: Operation, paces: &mut Paces) -> bool {
+fn add(group: &mut Vec<LedgerOperation>, operation: LedgerOperation, paces: &mut Paces) -> bool {
     let tenant = operation.tenant;
     paces.came(tenant, Instant::now());
     group.push(operation);
@@ -256,7 +256,11 @@ fn add(group: &mut Vec<Operation>, operation: Operation, paces: &mut Paces) -> b
 }
 
 /// Refuses operations until the file can be opened; `false` when all handles are gone.
-fn wait_for_the_disk(shared: &Shared, queue: &mut mpsc::Receiver<Operation>, pause: &mut Duration) -> bool {
+fn wait_for_the_disk(
+    shared: &LedgerDatabase,
+    queue: &mut mpsc::Receiver<LedgerOperation>,
+    pause: &mut Duration,
+) -> bool {
     loop {
         let until = Instant::now() + *pause;
         *pause = (*pause * 2).min(LONGEST_PAUSE);
@@ -275,7 +279,7 @@ fn wait_for_the_disk(shared: &Shared, queue: &mut mpsc::Receiver<Operation>, pau
 }
 
 /// Does a group; `false` when the database has failed.
-fn commit(database: &Database, group: Vec<Operation>) -> bool {
+fn commit(database: &Database, group: Vec<LedgerOperation>) -> bool {
     let failed = |error: &dyn std::fmt::Display| tracing::error!(%error, "the ledger cannot be written");
     let begun = contained(|| database.begin_write()).and_then(|begun| begun.map_err(storage));
     let txn = match begun {
@@ -286,7 +290,7 @@ fn commit(database: &Database, group: Vec<Operation>) -> bool {
         }
     };
     let mut replies: Vec<Reply> = Vec::with_capacity(group.len());
-    let tables = Tables::of(&txn);
+    let tables = TransactionTables::of(&txn);
     for operation in group {
         match contained(|| (operation.work)(&tables)) {
             Ok(reply) => replies.push(reply),

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use super::places::Places;
+use super::places::OrdinalTree;
 use crate::ledger::record::Priority;
 
 /// Time after which a job that waits counts as of the next priority.
@@ -14,22 +14,22 @@ const AGEING: Duration = Duration::from_secs(60);
 
 /// Where a job is in a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Spot {
+pub(super) struct QueuePosition {
     pub(super) class: usize,
     pub(super) ordinal: u64,
 }
 
 /// Jobs of one priority, by ordinal, with the time of their acceptance.
 #[derive(Debug, Default)]
-struct Class {
+struct PriorityClass {
     waiting: BTreeMap<u64, (String, Instant)>,
-    places: Places,
+    places: OrdinalTree,
 }
 
 /// Jobs of one tenant.
 #[derive(Debug, Default)]
-pub(super) struct Line {
-    classes: [Class; 3],
+pub(super) struct TenantQueue {
+    classes: [PriorityClass; 3],
     /// Jobs of the tenant that wait, also those beside the line.
     pub(super) held: usize,
     /// Its jobs on workers.
@@ -52,7 +52,7 @@ pub(super) fn class(priority: Priority) -> usize {
     }
 }
 
-impl Line {
+impl TenantQueue {
     /// The line of a new tenant, with its initial account and the number of its arrival.
     pub(super) fn new(used: Duration, came: u64) -> Self {
         Self { used, came, ..Self::default() }
@@ -68,14 +68,14 @@ impl Line {
         self.classes.iter().map(|class| class.waiting.len()).sum()
     }
 
-    pub(super) fn push(&mut self, spot: Spot, id: String, since: Instant) {
+    pub(super) fn push(&mut self, spot: QueuePosition, id: String, since: Instant) {
         if let Some(class) = self.classes.get_mut(spot.class) {
             class.places.push(spot.ordinal, class.waiting.keys());
             class.waiting.insert(spot.ordinal, (id, since));
         }
     }
 
-    pub(super) fn remove(&mut self, spot: Spot) -> Option<String> {
+    pub(super) fn remove(&mut self, spot: QueuePosition) -> Option<String> {
         let class = self.classes.get_mut(spot.class)?;
         let (id, _) = class.waiting.remove(&spot.ordinal)?;
         class.places.remove(spot.ordinal);
@@ -83,18 +83,18 @@ impl Line {
     }
 
     /// The job that goes first now.
-    pub(super) fn first(&self, now: Instant) -> Option<Spot> {
+    pub(super) fn first(&self, now: Instant) -> Option<QueuePosition> {
         let heads = self.classes.iter().enumerate().filter_map(|(class, jobs)| {
             let (ordinal, (_, since)) = jobs.waiting.first_key_value()?;
             let risen = now.saturating_duration_since(*since).as_secs() / AGEING.as_secs();
             let rank = class as i64 - i64::try_from(risen).unwrap_or(i64::MAX);
-            Some((rank, Spot { class, ordinal: *ordinal }))
+            Some((rank, QueuePosition { class, ordinal: *ordinal }))
         });
         heads.min_by_key(|(rank, spot)| (*rank, spot.ordinal)).map(|(_, spot)| spot)
     }
 
     /// Jobs of this line before one of its.
-    pub(super) fn before(&self, spot: Spot) -> usize {
+    pub(super) fn before(&self, spot: QueuePosition) -> usize {
         let urgent: usize = self.classes.iter().take(spot.class).map(|class| class.waiting.len()).sum();
         urgent + self.classes.get(spot.class).map_or(0, |class| class.places.before(spot.ordinal))
     }

@@ -12,10 +12,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::queue::{Entry, Look, Queue, TenantWorkers, Ticket};
-use line::{Line, Spot, class};
+use crate::queue::{EnqueueReason, Queue, SchedulingState, TenantWorkers, Ticket};
+use line::{QueuePosition, TenantQueue, class};
 use suspects::Suspects;
-use turns::Run;
+use turns::WorkerRun;
 
 /// Most jobs whose end is being stored while others have their workers.
 const MOST_STORING: usize = 64;
@@ -30,14 +30,14 @@ pub(crate) struct LocalQueue {
     again: Vec<(Instant, String, Arc<str>)>,
     /// Jobs that are held back.
     paused: BTreeMap<String, Arc<str>>,
-    lines: HashMap<Arc<str>, Line>,
+    lines: HashMap<Arc<str>, TenantQueue>,
     /// Jobs in lines.
-    spots: HashMap<String, (Arc<str>, Spot)>,
+    spots: HashMap<String, (Arc<str>, QueuePosition)>,
     last_ordinal: u64,
     /// Most jobs of one tenant on workers, and of tenants for which that is another number; 0 = without limit.
     most_running: usize,
     own_running: HashMap<String, usize>,
-    running: Vec<Run>,
+    running: Vec<WorkerRun>,
     /// Initial account of a new tenant: no tenant that takes turns has used less.
     floor: Duration,
     /// Number of the last turn or arrival.
@@ -54,11 +54,11 @@ impl LocalQueue {
         self.lines.get_key_value(tenant).map_or_else(|| tenant.into(), |(name, _)| name.clone())
     }
 
-    fn line(&mut self, tenant: &Arc<str>) -> &mut Line {
+    fn line(&mut self, tenant: &Arc<str>) -> &mut TenantQueue {
         let Self { lines, floor, last_number, .. } = self;
         lines.entry(tenant.clone()).or_insert_with(|| {
             *last_number += 1;
-            Line::new(*floor, *last_number)
+            TenantQueue::new(*floor, *last_number)
         })
     }
 
@@ -70,7 +70,7 @@ impl LocalQueue {
     }
 
     /// Takes a job out of its line.
-    fn take(&mut self, tenant: &Arc<str>, spot: Spot) -> Option<String> {
+    fn take(&mut self, tenant: &Arc<str>, spot: QueuePosition) -> Option<String> {
         let id = self.lines.get_mut(tenant)?.remove(spot)?;
         self.spots.remove(&id);
         Some(id)
@@ -111,7 +111,7 @@ impl LocalQueue {
         let line = self.line(&tenant);
         line.held = line.held.saturating_sub(1);
         line.running += 1;
-        self.running.push(Run::new(id.clone(), tenant, turn, now));
+        self.running.push(WorkerRun::new(id.clone(), tenant, turn, now));
         id
     }
 }
@@ -143,27 +143,27 @@ impl Queue for LocalQueue {
         runs.any(|run| !waits_for_client(&run.id))
     }
 
-    fn push(&mut self, ticket: Ticket<'_>, entry: Entry) {
+    fn push(&mut self, ticket: Ticket<'_>, entry: EnqueueReason) {
         let (id, tenant) = (ticket.id.to_owned(), self.tenant(ticket.tenant));
         self.line(&tenant).held += 1;
-        if let Entry::Suspect(alone) = entry {
+        if let EnqueueReason::Suspect(alone) = entry {
             self.suspects.suspect(&id, alone);
         }
         match entry {
-            Entry::Suspect(_) => self.suspects.push(id, tenant, None),
-            Entry::Again(at) if self.suspects.contains(&id) => self.suspects.push(id, tenant, Some(at)),
-            Entry::Again(at) => self.again.push((at, id, tenant)),
-            Entry::Paused => drop(self.paused.insert(id, tenant)),
-            Entry::Accepted(since) => {
+            EnqueueReason::Suspect(_) => self.suspects.push(id, tenant, None),
+            EnqueueReason::Again(at) if self.suspects.contains(&id) => self.suspects.push(id, tenant, Some(at)),
+            EnqueueReason::Again(at) => self.again.push((at, id, tenant)),
+            EnqueueReason::Paused => drop(self.paused.insert(id, tenant)),
+            EnqueueReason::Accepted(since) => {
                 self.last_ordinal += 1;
-                let spot = Spot { class: class(ticket.priority), ordinal: self.last_ordinal };
+                let spot = QueuePosition { class: class(ticket.priority), ordinal: self.last_ordinal };
                 self.line(&tenant).push(spot, id.clone(), since);
                 self.spots.insert(id, (tenant, spot));
             }
         }
     }
 
-    fn next(&mut self, look: &Look<'_>) -> Option<String> {
+    fn next(&mut self, look: &SchedulingState<'_>) -> Option<String> {
         self.charge(look);
         self.looked = Some(look.now);
         match self.next_suspect(look) {

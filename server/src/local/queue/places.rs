@@ -4,7 +4,7 @@
 
 /// Counts of ordinals in a binary indexed tree. Ordinals begin at 1 and ascend.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct OrdinalTree {
     /// `tree[i]` counts the ordinals of a range that ends with `base + i`; `tree[0]` is not used.
     tree: Vec<u32>,
     base: u64,
@@ -13,7 +13,7 @@ pub(super) struct Places {
 /// Smallest tree.
 const SMALLEST: usize = 1024;
 
-impl Places {
+impl OrdinalTree {
     /// Counts an ordinal that is larger than all before; `kept` are those that have not been removed, ascending,
     /// without the new one.
     pub(super) fn push<'a>(&mut self, ordinal: u64, kept: impl Iterator<Item = &'a u64> + Clone) {

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LocalQueue;
-use super::turns::Run;
-use crate::queue::Look;
+use super::turns::WorkerRun;
+use crate::queue::SchedulingState;
 
 /// A suspect that waits.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ struct Suspect {
 
 /// The suspect that runs alone.
 #[derive(Debug)]
-struct Alone {
+struct SoloRun {
     id: String,
     since: Instant,
 }
@@ -33,7 +33,7 @@ struct Alone {
 #[derive(Debug, Default)]
 pub(super) struct Suspects {
     waiting: VecDeque<Suspect>,
-    alone: Option<Alone>,
+    alone: Option<SoloRun>,
     /// Remaining time alone of each suspect, including suspects that are held back.
     left: HashMap<String, Duration>,
     /// Suspects that were cleared since the last call of `take_cleared`.
@@ -108,7 +108,7 @@ impl Suspects {
     }
 
     /// Clears the suspect that runs alone if other jobs may now run beside it.
-    fn clear_alone(&mut self, running: &[Run], now: Instant) {
+    fn clear_alone(&mut self, running: &[WorkerRun], now: Instant) {
         let left = &self.left;
         let over = self.alone.take_if(|alone| {
             let waits_for_client = running.iter().any(|run| run.id == alone.id && run.waits_for_client);
@@ -129,12 +129,12 @@ impl Suspects {
 
 impl LocalQueue {
     /// Clears the suspect that runs alone if it may have company now; returns the next suspect, if it starts.
-    pub(super) fn next_suspect(&mut self, look: &Look<'_>) -> Option<String> {
+    pub(super) fn next_suspect(&mut self, look: &SchedulingState<'_>) -> Option<String> {
         self.suspects.clear_alone(&self.running, look.now);
         let mut started = None;
         if self.suspects.alone.is_none() && look.starts {
             let Suspect { id, tenant, .. } = self.suspects.first(look.now)?;
-            self.suspects.alone = Some(Alone { id: id.clone(), since: look.now });
+            self.suspects.alone = Some(SoloRun { id: id.clone(), since: look.now });
             let longest = self.suspects.left.get(&id).copied().unwrap_or_default();
             tracing::warn!(
                 job = id,

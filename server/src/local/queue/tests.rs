@@ -13,11 +13,11 @@ fn ticket<'a>(id: &'a str, tenant: &'a str) -> Ticket<'a> {
 
 /// Divides the slots, with memory for all runs, none of which stands.
 fn next(queue: &mut LocalQueue, slots: usize, now: Instant) -> Option<String> {
-    queue.next(&Look { slots, starts: true, room: true, now, waits_for_client: &|_| false })
+    queue.next(&SchedulingState { slots, starts: true, room: true, now, waits_for_client: &|_| false })
 }
 
 /// Lets a job of the default tenant wait.
-fn push(queue: &mut LocalQueue, id: &str, entry: Entry) {
+fn push(queue: &mut LocalQueue, id: &str, entry: EnqueueReason) {
     queue.push(ticket(id, "default"), entry);
 }
 
@@ -36,7 +36,7 @@ fn places_are_those_of_a_plain_list() {
                 assert_eq!(next(&mut queue, usize::MAX, now).unwrap(), twin.remove(0));
             }
             _ => {
-                push(&mut queue, &id(number), Entry::Accepted(now));
+                push(&mut queue, &id(number), EnqueueReason::Accepted(now));
                 twin.push(id(number));
             }
         }
@@ -55,7 +55,7 @@ fn places_are_those_of_a_plain_list() {
 fn a_hundred_thousand_questions_about_a_hundred_thousand_jobs_are_answered() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
-    (0..100_000).for_each(|number| push(&mut queue, &id(number), Entry::Accepted(now)));
+    (0..100_000).for_each(|number| push(&mut queue, &id(number), EnqueueReason::Accepted(now)));
     for number in 0..100_000 {
         assert_eq!(queue.before(&id(number)), number);
     }
@@ -65,9 +65,9 @@ fn a_hundred_thousand_questions_about_a_hundred_thousand_jobs_are_answered() {
 fn suspects_run_first_and_without_company() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
-    push(&mut queue, "other", Entry::Accepted(now));
-    push(&mut queue, "first", Entry::Suspect(Duration::from_secs(5)));
-    push(&mut queue, "second", Entry::Suspect(Duration::from_secs(5)));
+    push(&mut queue, "other", EnqueueReason::Accepted(now));
+    push(&mut queue, "first", EnqueueReason::Suspect(Duration::from_secs(5)));
+    push(&mut queue, "second", EnqueueReason::Suspect(Duration::from_secs(5)));
     assert_eq!((queue.before("second"), queue.before("other")), (1, 2));
     assert_eq!(next(&mut queue, 4, now).unwrap(), "first");
     assert!(next(&mut queue, 4, now).is_none(), "nothing runs beside a suspect");
@@ -83,9 +83,9 @@ fn a_job_that_the_host_failed_waits_for_its_time_and_lets_others_run() {
     let now = Instant::now();
     let later = now + Duration::from_secs(1);
     let mut queue = LocalQueue::default();
-    push(&mut queue, "other", Entry::Accepted(now));
-    push(&mut queue, "last", Entry::Accepted(now));
-    push(&mut queue, "failed", Entry::Again(later));
+    push(&mut queue, "other", EnqueueReason::Accepted(now));
+    push(&mut queue, "last", EnqueueReason::Accepted(now));
+    push(&mut queue, "failed", EnqueueReason::Again(later));
     assert_eq!(next(&mut queue, 4, now).unwrap(), "other");
     assert_eq!(next(&mut queue, 4, later).unwrap(), "failed");
     assert_eq!(next(&mut queue, 4, later).unwrap(), "last");
@@ -97,12 +97,12 @@ fn urgent_jobs_go_first_and_patience_is_rewarded() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
     for (id, priority) in [("low", Priority::Low), ("normal", Priority::Normal), ("high", Priority::High)] {
-        queue.push(Ticket { id, tenant: "t", priority }, Entry::Accepted(now));
+        queue.push(Ticket { id, tenant: "t", priority }, EnqueueReason::Accepted(now));
     }
     assert_eq!((queue.before("low"), queue.before("normal"), queue.before("high")), (2, 1, 0));
     assert_eq!(next(&mut queue, 9, now).unwrap(), "high");
     let later = now + Duration::from_secs(125);
-    queue.push(Ticket { id: "new", tenant: "t", priority: Priority::High }, Entry::Accepted(later));
+    queue.push(Ticket { id: "new", tenant: "t", priority: Priority::High }, EnqueueReason::Accepted(later));
     // Both have risen above a new urgent job, and as far as each other: the difference between them stays.
     assert_eq!(next(&mut queue, 9, later).unwrap(), "normal");
     assert_eq!(next(&mut queue, 9, later).unwrap(), "low", "as urgent as the new one by now, and older");
@@ -126,9 +126,9 @@ fn a_queue_of_thousands_delays_another_tenant_by_one_turn() {
     let mut queue = LocalQueue::default();
     for number in 0..5000 {
         let id = format!("a{number}");
-        queue.push(ticket(&id, "a"), Entry::Accepted(now));
+        queue.push(ticket(&id, "a"), EnqueueReason::Accepted(now));
     }
-    queue.push(ticket("b", "b"), Entry::Accepted(now));
+    queue.push(ticket("b", "b"), EnqueueReason::Accepted(now));
     assert_eq!(queue.before("b"), 1);
     // Jobs of 20 ms are longer than a quantum, so one of them goes before.
     let order = run_all(&mut queue, now, |_| Duration::from_millis(20));
@@ -143,7 +143,7 @@ fn tenants_share_the_time_of_workers_and_not_the_number_of_jobs() {
     for number in 0..4000 {
         for tenant in ["long", "short"] {
             let id = format!("{tenant}-{number}");
-            queue.push(ticket(&id, tenant), Entry::Accepted(now));
+            queue.push(ticket(&id, tenant), EnqueueReason::Accepted(now));
         }
     }
     let time = |id: &str| Duration::from_millis(if id.starts_with("long") { 100 } else { 10 });
@@ -158,7 +158,7 @@ fn a_tenant_has_no_more_workers_than_its_quota() {
     let mut queue = LocalQueue::default();
     queue.let_run(1, HashMap::new());
     for (id, tenant) in [("a1", "a"), ("a2", "a"), ("b1", "b"), ("b2", "b")] {
-        queue.push(ticket(id, tenant), Entry::Accepted(now));
+        queue.push(ticket(id, tenant), EnqueueReason::Accepted(now));
     }
     let mut first = [next(&mut queue, 4, now).unwrap(), next(&mut queue, 4, now).unwrap()];
     first.sort();
@@ -166,7 +166,7 @@ fn a_tenant_has_no_more_workers_than_its_quota() {
     queue.free("b1", now);
     assert_eq!(next(&mut queue, 4, now).as_deref(), Some("b2"));
     // A job that waits for another run needs a worker of its tenant, too.
-    queue.push(ticket("a0", "a"), Entry::Again(now));
+    queue.push(ticket("a0", "a"), EnqueueReason::Again(now));
     assert_eq!(next(&mut queue, 4, now), None);
     queue.let_run(1, HashMap::from([("a".to_owned(), 2)]));
     assert_eq!((next(&mut queue, 4, now).as_deref(), next(&mut queue, 4, now)), (Some("a0"), None));
@@ -180,10 +180,10 @@ fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
     let mut now = Instant::now();
     let mut queue = LocalQueue::default();
     for number in 0..10_000 {
-        queue.push(ticket(&format!("noisy-{number}"), "noisy"), Entry::Accepted(now));
+        queue.push(ticket(&format!("noisy-{number}"), "noisy"), EnqueueReason::Accepted(now));
     }
     let (mut quiet, mut between) = (0, 0);
-    queue.push(ticket("quiet-0", "quiet"), Entry::Accepted(now));
+    queue.push(ticket("quiet-0", "quiet"), EnqueueReason::Accepted(now));
     for _ in 0..STARTS {
         let id = next(&mut queue, 1, now).unwrap();
         now += Duration::from_millis(10);
@@ -193,7 +193,7 @@ fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
         queue.free(&id, now);
         if own {
             quiet += 1;
-            queue.push(ticket(&format!("quiet-{quiet}"), "quiet"), Entry::Accepted(now));
+            queue.push(ticket(&format!("quiet-{quiet}"), "quiet"), EnqueueReason::Accepted(now));
         }
     }
     assert!(quiet * 10 >= STARTS / 2 * 9, "{quiet} of {STARTS} starts");
@@ -216,9 +216,9 @@ fn the_books_of_the_queue_agree_after_anything() {
                 let (id, tenant) = (id(step), format!("t{}", pick % 5));
                 let priority = [Priority::High, Priority::Normal, Priority::Low][pick / 5 % 3];
                 let entry = match pick % 14 {
-                    0 | 7 => Entry::Again(now),
-                    3 => Entry::Paused,
-                    _ => Entry::Accepted(now),
+                    0 | 7 => EnqueueReason::Again(now),
+                    3 => EnqueueReason::Paused,
+                    _ => EnqueueReason::Accepted(now),
                 };
                 queue.push(Ticket { id: &id, tenant: &tenant, priority }, entry);
                 waiting.push((id, tenant));
@@ -258,18 +258,18 @@ fn a_run_that_stands_and_jobs_behind_it_are_no_work() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
     let work = |queue: &LocalQueue, tenant, stand: &[&str]| queue.others_work(tenant, &|id| stand.contains(&id));
-    queue.push(ticket("steps", "other"), Entry::Accepted(now));
+    queue.push(ticket("steps", "other"), EnqueueReason::Accepted(now));
     assert!(!work(&queue, "one", &[]), "no worker is busy");
     assert_eq!(next(&mut queue, 1, now).as_deref(), Some("steps"));
     assert!(work(&queue, "one", &[]) && !work(&queue, "one", &["steps"]) && !work(&queue, "other", &[]));
     let next = |queue: &mut LocalQueue| {
-        queue.next(&Look { slots: 1, starts: true, room: true, now, waits_for_client: &|id| id == "steps" })
+        queue.next(&SchedulingState { slots: 1, starts: true, room: true, now, waits_for_client: &|id| id == "steps" })
     };
-    queue.push(ticket("behind", "other"), Entry::Accepted(now));
+    queue.push(ticket("behind", "other"), EnqueueReason::Accepted(now));
     assert!(!work(&queue, "one", &["steps"]), "it waits for one that stands");
-    queue.push(ticket("own", "one"), Entry::Accepted(now));
+    queue.push(ticket("own", "one"), EnqueueReason::Accepted(now));
     assert_eq!(next(&mut queue).as_deref(), Some("own"));
     assert!(work(&queue, "one", &["steps"]), "it waits for a worker that a job keeps busy");
-    queue.push(ticket("held", "third"), Entry::Paused);
+    queue.push(ticket("held", "third"), EnqueueReason::Paused);
     assert!(!work(&queue, "other", &["steps", "own"]));
 }

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LocalQueue;
-use super::line::Line;
-use crate::queue::Look;
+use super::line::TenantQueue;
+use crate::queue::SchedulingState;
 
 /// Time for which a run keeps its slot when other tenants wait. Checked at every tick, submit and end.
 const SLICE: Duration = Duration::from_millis(25);
@@ -21,7 +21,7 @@ const MOST_AHEAD: Duration = Duration::from_millis(500);
 
 /// A job on a worker.
 #[derive(Debug)]
-pub(super) struct Run {
+pub(super) struct WorkerRun {
     pub(super) id: String,
     pub(super) tenant: Arc<str>,
     /// Sequence number of the start.
@@ -35,7 +35,7 @@ pub(super) struct Run {
     pub(super) waits_for_client: bool,
 }
 
-impl Run {
+impl WorkerRun {
     pub(super) fn new(id: String, tenant: Arc<str>, start: u64, now: Instant) -> Self {
         Self { id, tenant, start, charged: now, slice: Duration::ZERO, suspended: false, waits_for_client: false }
     }
@@ -56,7 +56,7 @@ impl Run {
 type Rank = (Duration, u64, u64);
 
 /// Work that can get a slot.
-enum Next {
+enum SlotCandidate {
     /// The first job of a tenant starts.
     Start(Arc<str>),
     /// The run at this index is resumed.
@@ -73,7 +73,7 @@ impl LocalQueue {
     }
 
     /// Charges the time since the last look, and limits the difference between the accounts.
-    pub(super) fn charge(&mut self, look: &Look<'_>) {
+    pub(super) fn charge(&mut self, look: &SchedulingState<'_>) {
         for run in &mut self.running {
             run.waits_for_client = (look.waits_for_client)(&run.id);
             run.suspended &= !run.waits_for_client;
@@ -96,13 +96,13 @@ impl LocalQueue {
     }
 
     /// Whether a tenant has a job whose start its own runs do not prevent.
-    fn is_ready(&self, tenant: &Arc<str>, line: &Line, look: &Look<'_>) -> bool {
+    fn is_ready(&self, tenant: &Arc<str>, line: &TenantQueue, look: &SchedulingState<'_>) -> bool {
         (line.len() > 0 || self.due(tenant, look.now).is_some()) && self.may_start(tenant, look.slots)
     }
 
     /// Assigns free slots, and moves slots from the tenants that have used the most to those that have used the least.
     /// Returns the job that starts, if any.
-    pub(super) fn divide(&mut self, look: &Look<'_>) -> Option<String> {
+    pub(super) fn divide(&mut self, look: &SchedulingState<'_>) -> Option<String> {
         loop {
             let working = self.running.iter().filter(|run| run.works()).count();
             if working > look.slots {
@@ -114,32 +114,33 @@ impl LocalQueue {
             let (rank, next) = self.next_work(look)?;
             if working == look.slots {
                 let tenant = match &next {
-                    Next::Start(tenant) => tenant.clone(),
-                    Next::Resume(at) => self.running.get(*at)?.tenant.clone(),
+                    SlotCandidate::Start(tenant) => tenant.clone(),
+                    SlotCandidate::Resume(at) => self.running.get(*at)?.tenant.clone(),
                 };
-                let gives = |run: &Run, keeps: Rank| run.slice >= SLICE && run.tenant != tenant && keeps.0 > rank.0;
+                let gives =
+                    |run: &WorkerRun, keeps: Rank| run.slice >= SLICE && run.tenant != tenant && keeps.0 > rank.0;
                 let most = self.most(gives)?;
                 self.suspend(most);
             }
             match next {
-                Next::Start(tenant) => {
+                SlotCandidate::Start(tenant) => {
                     let id = self.first(&tenant, look.now)?;
                     return Some(self.begin(id, tenant, look.now));
                 }
-                Next::Resume(at) => self.resume(at, look.now),
+                SlotCandidate::Resume(at) => self.resume(at, look.now),
             }
         }
     }
 
     /// The next work, with the rank of its tenant.
-    fn next_work(&self, look: &Look<'_>) -> Option<(Rank, Next)> {
+    fn next_work(&self, look: &SchedulingState<'_>) -> Option<(Rank, SlotCandidate)> {
         let room = look.starts && (self.running.len() < look.slots.saturating_mul(2) || look.room);
         let ready = self.lines.iter().filter(|(tenant, line)| room && self.is_ready(tenant, line, look));
         let start = ready.filter_map(|(tenant, _)| Some((self.rank(tenant, 0)?, tenant)));
-        let start = start.min().map(|(rank, tenant)| (rank, Next::Start(tenant.clone())));
+        let start = start.min().map(|(rank, tenant)| (rank, SlotCandidate::Start(tenant.clone())));
         let suspended = self.running.iter().enumerate().filter(|(_, run)| run.suspended);
         let resume = suspended.filter_map(|(at, run)| Some((self.rank(&run.tenant, 0)?, run.start, at)));
-        let resume = resume.min().map(|(rank, _, at)| (rank, Next::Resume(at)));
+        let resume = resume.min().map(|(rank, _, at)| (rank, SlotCandidate::Resume(at)));
         start.into_iter().chain(resume).min_by_key(|(rank, _)| *rank)
     }
 
@@ -159,8 +160,8 @@ impl LocalQueue {
 
     /// The run that gives its slot: the last started run of the tenant that has used the most. `gives` filters the
     /// runs; its second argument is the rank of the tenant without this slot.
-    fn most(&self, gives: impl Fn(&Run, Rank) -> bool) -> Option<usize> {
-        let is_last = |run: &Run| {
+    fn most(&self, gives: impl Fn(&WorkerRun, Rank) -> bool) -> Option<usize> {
+        let is_last = |run: &WorkerRun| {
             let mut own = self.running.iter().filter(|other| other.tenant == run.tenant && other.works());
             own.all(|other| other.start <= run.start)
         };

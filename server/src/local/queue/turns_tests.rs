@@ -59,7 +59,7 @@ impl World {
     fn submit(&mut self, id: &str, needs: Duration) {
         self.needs.insert(id.to_owned(), needs);
         let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
-        self.queue.push(ticket, Entry::Accepted(self.now));
+        self.queue.push(ticket, EnqueueReason::Accepted(self.now));
         self.look();
     }
 
@@ -67,19 +67,19 @@ impl World {
     fn suspect(&mut self, id: &str, needs: Duration) {
         self.needs.insert(id.to_owned(), needs);
         let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
-        self.queue.push(ticket, Entry::Suspect(ms(5000)));
+        self.queue.push(ticket, EnqueueReason::Suspect(ms(5000)));
     }
 
     /// Pauses the run of a job that started as a suspect, and resumes the job.
     fn pause_and_resume(&mut self, id: &str, pause: Duration) {
         let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
         self.queue.free(id, self.now);
-        self.queue.push(ticket, Entry::Paused);
+        self.queue.push(ticket, EnqueueReason::Paused);
         self.look();
         self.pass(pause);
         assert!(self.queue.remove(id));
         let cleared = self.cleared.iter().any(|cleared| cleared == id);
-        let entry = if cleared { Entry::Accepted(self.now) } else { Entry::Suspect(ms(5000)) };
+        let entry = if cleared { EnqueueReason::Accepted(self.now) } else { EnqueueReason::Suspect(ms(5000)) };
         self.queue.push(ticket, entry);
         self.look();
     }
@@ -87,8 +87,13 @@ impl World {
     fn look(&mut self) {
         let before = self.queue.suspended();
         let Self { queue, slots, room, now, started, stand, .. } = self;
-        let look =
-            Look { slots: *slots, starts: true, room: *room, now: *now, waits_for_client: &|id| stand.contains(id) };
+        let look = SchedulingState {
+            slots: *slots,
+            starts: true,
+            room: *room,
+            now: *now,
+            waits_for_client: &|id| stand.contains(id),
+        };
         while let Some(id) = queue.next(&look) {
             started.push(id);
         }
@@ -314,7 +319,7 @@ fn a_job_that_the_host_failed_gets_a_slot_beside_endless_runs() {
     world.submit("a", ENDLESS);
     world.needs.insert("b".to_owned(), ms(10));
     let ticket = Ticket { id: "b", tenant: "b", priority: Priority::Normal };
-    world.queue.push(ticket, Entry::Again(world.now + ms(220)));
+    world.queue.push(ticket, EnqueueReason::Again(world.now + ms(220)));
     world.pass(ms(200));
     assert!(!world.started.contains(&"b".to_owned()));
     world.pass(ms(200));
@@ -337,7 +342,7 @@ fn suspended_runs_continue_after_a_suspect_and_while_no_job_may_start() {
     world.submit("b", ms(100));
     world.pass(ms(50));
     world.queue.free("b", world.now);
-    let look = Look { slots: 1, starts: false, room: true, now: world.now, waits_for_client: &|_| false };
+    let look = SchedulingState { slots: 1, starts: false, room: true, now: world.now, waits_for_client: &|_| false };
     assert_eq!((world.queue.next(&look), world.queue.suspended().len()), (None, 0));
 }
 
@@ -430,7 +435,7 @@ fn a_suspect_whose_run_the_host_failed_runs_alone_after_its_pause() {
     world.pass(ms(1000));
     world.queue.free("a", world.now);
     let ticket = Ticket { id: "a", tenant: "a", priority: Priority::Normal };
-    world.queue.push(ticket, Entry::Again(world.now + ms(500)));
+    world.queue.push(ticket, EnqueueReason::Again(world.now + ms(500)));
     world.submit("z", ENDLESS);
     world.pass(ms(400));
     assert_eq!(world.working(), ["z"]);

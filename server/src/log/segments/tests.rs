@@ -14,7 +14,7 @@ fn both(events: u64) -> (Vec<u8>, Vec<u8>) {
 fn read_it_is_the_plain_file() {
     for events in [0, 1, 255, 256, 257, 40_000] {
         let (plain, packed) = both(events);
-        let mut segments = Segments::of(Cursor::new(&packed)).unwrap();
+        let mut segments = CompressedLog::of(Cursor::new(&packed)).unwrap();
         assert_eq!(segments.length(), plain.len() as u64);
         let mut read = Vec::new();
         segments.read_to_end(&mut read).unwrap();
@@ -33,7 +33,7 @@ fn read_it_is_the_plain_file() {
 #[test]
 fn a_cursor_needs_the_head_and_its_own_segment() {
     let (_, packed) = both(40_000);
-    let mut segments = Segments::of(Cursor::new(&packed)).unwrap();
+    let mut segments = CompressedLog::of(Cursor::new(&packed)).unwrap();
     let entries: Vec<_> = (0..segments.count).map(|number| segments.entry(number).unwrap()).collect();
     assert!(entries.len() > 4 && entries[0].first == 0 && entries[1].first == 1);
     let wanted = entries[3];
@@ -41,7 +41,7 @@ fn a_cursor_needs_the_head_and_its_own_segment() {
     for entry in entries.iter().filter(|entry| entry.first != 0 && **entry != wanted) {
         damaged[entry.at as usize + 3] ^= 0x55;
     }
-    let mut segments = Segments::of(Cursor::new(&damaged)).unwrap();
+    let mut segments = CompressedLog::of(Cursor::new(&damaged)).unwrap();
     for after in [wanted.first - 1, wanted.first, wanted.first + 300] {
         assert_eq!(segments.place(after).unwrap(), wanted.plain);
     }
@@ -57,17 +57,17 @@ fn damage_is_reported_and_no_panic() {
     let (plain, packed) = both(3000);
     let read = |bytes: &[u8]| {
         let mut read = Vec::new();
-        Segments::of(Cursor::new(bytes)).and_then(|mut segments| segments.read_to_end(&mut read)).map(|_| read)
+        CompressedLog::of(Cursor::new(bytes)).and_then(|mut segments| segments.read_to_end(&mut read)).map(|_| read)
     };
     assert!(read(&packed).unwrap() == plain);
     for cut in (0..packed.len()).step_by(97) {
         assert!(read(&packed[..cut]).is_err());
     }
-    assert!(Segments::of(Cursor::new(&packed)).unwrap().check_beginning().is_ok());
+    assert!(CompressedLog::of(Cursor::new(&packed)).unwrap().check_beginning().is_ok());
     for at in 0..8 {
         let mut bad = packed.clone();
         bad[at] ^= 0x55;
-        let error = Segments::of(Cursor::new(bad)).unwrap().check_beginning().unwrap_err();
+        let error = CompressedLog::of(Cursor::new(bad)).unwrap().check_beginning().unwrap_err();
         assert!(error.kind() == io::ErrorKind::InvalidData, "byte {at}: {error}");
     }
     for at in (8..packed.len()).step_by(61) {

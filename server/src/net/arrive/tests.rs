@@ -22,7 +22,7 @@ fn body() -> (mpsc::UnboundedSender<&'static [u8]>, Body) {
     (send, Body::new(Sent(receive)))
 }
 
-async fn all(mut arrived: Arrived) -> Vec<u8> {
+async fn all(mut arrived: BufferedBody) -> Vec<u8> {
     let mut all = Vec::new();
     while let Some(frame) = poll_fn(|cx| Pin::new(&mut arrived).poll_frame(cx)).await {
         all.extend(frame.unwrap().into_data().unwrap());
@@ -36,7 +36,7 @@ async fn a_message_in_parts_is_waited_for_and_what_follows_is_not() {
     for part in [&[0, 0, 0][..], &[], &[0, 3, b'a', b'b'], b"c"] {
         send.send(part).unwrap();
     }
-    let arrived = first_message(body, MOST, HOUR, &Memory::new(0)).await.unwrap();
+    let arrived = first_message(body, MOST, HOUR, &MemoryBudget::new(0)).await.unwrap();
     send.send(b"next").unwrap();
     drop(send);
     assert_eq!(all(arrived).await, b"\0\0\0\0\x03abcnext");
@@ -48,11 +48,11 @@ async fn a_request_that_ends_early_or_is_too_large_is_left_to_the_service() {
         let (send, body) = body();
         send.send(part).unwrap();
         drop(send);
-        assert_eq!(all(first_message(body, MOST, HOUR, &Memory::new(0)).await.unwrap()).await, part);
+        assert_eq!(all(first_message(body, MOST, HOUR, &MemoryBudget::new(0)).await.unwrap()).await, part);
     }
     let (send, body) = body();
     send.send(b"\0\xff\xff\xff\xff").unwrap();
-    assert!(first_message(body, MOST, HOUR, &Memory::new(0)).await.is_ok(), "it is refused before it has come");
+    assert!(first_message(body, MOST, HOUR, &MemoryBudget::new(0)).await.is_ok(), "it is refused before it has come");
     drop(send);
 }
 
@@ -61,7 +61,7 @@ async fn a_client_that_sends_nothing_is_refused() {
     let (send, body) = body();
     send.send(&[0, 0]).unwrap();
     send.send(&[]).unwrap();
-    let refused = first_message(body, MOST, Duration::from_millis(20), &Memory::new(0)).await.err();
+    let refused = first_message(body, MOST, Duration::from_millis(20), &MemoryBudget::new(0)).await.err();
     assert_eq!(refused, Some(Refusal::CallStalled(0)));
     drop(send);
 }
@@ -69,7 +69,7 @@ async fn a_client_that_sends_nothing_is_refused() {
 #[tokio::test]
 async fn a_large_request_counts_in_the_memory_budget_until_it_is_read() {
     static PART: [u8; 20_000] = [0; 20_000];
-    let memory = Memory::new(64_000);
+    let memory = MemoryBudget::new(64_000);
     let length = 5 * PART.len() as u32;
     let request = || {
         let (send, body) = body();

@@ -15,10 +15,10 @@ use counterpoint_fault::Halt;
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::flow;
-use super::formula::{Kind, Name};
-use super::path::Beside;
-use super::variables::Value;
-use crate::host::Host;
+use super::formula::{ParameterKind, QParameter};
+use super::path::RadiusCompensation;
+use super::variables::ParameterValue;
+use crate::host::InterpreterHost;
 use crate::interpreter::MadeBlocks;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -31,7 +31,7 @@ const NEGLIGIBLE: f64 = 0.0001;
 
 /// A drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum HoleCycle {
+enum HeidenhainHoleCycle {
     /// 200: drilling in infeeds, with a retract to the clearance after each.
     Drill,
     /// 201: reaming, with a retract at feed.
@@ -48,7 +48,7 @@ enum HoleCycle {
     Centre,
 }
 
-impl HoleCycle {
+impl HeidenhainHoleCycle {
     /// Parameters that it reads.
     fn parameters(self) -> &'static [u32] {
         match self {
@@ -77,19 +77,19 @@ impl HoleCycle {
 }
 
 /// A hole while its blocks are generated.
-struct Hole<'h> {
+struct HeidenhainHoleBuilder<'h> {
     control: &'h mut Heidenhain,
-    host: &'h mut dyn Host,
+    host: &'h mut dyn InterpreterHost,
     blocks: &'h mut MadeBlocks,
     words: HoleWords,
     /// Feed of the calling program.
     feed: f64,
-    levels: Levels,
+    levels: HeidenhainHoleLevels,
 }
 
 /// Levels along the tool axis.
 #[derive(Debug, Clone, Copy)]
-struct Levels {
+struct HeidenhainHoleLevels {
     surface: f64,
     clearance: f64,
     /// The second clearance, unless it is below the first one.
@@ -99,9 +99,14 @@ struct Levels {
 
 impl Heidenhain {
     /// Generates the blocks of the drilling cycle that the block calls; false if the program is not such a cycle.
-    pub(super) fn hole(&mut self, host: &mut dyn Host, program: FileId, blocks: &mut MadeBlocks) -> Result<bool, Halt> {
+    pub(super) fn hole(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        program: FileId,
+        blocks: &mut MadeBlocks,
+    ) -> Result<bool, Halt> {
         let number = match self.calling {
-            Some(flow::Kind::Cycle) => {
+            Some(flow::CalleeKind::Cycle) => {
                 let defined = &self.cycles.defined;
                 defined.program.as_deref().filter(|_| defined.stored).and_then(|name| name.parse().ok())
             }
@@ -111,25 +116,30 @@ impl Heidenhain {
                 name.split('.').next()?.parse().ok()
             }),
         };
-        let Some(cycle) = number.and_then(HoleCycle::numbered) else { return Ok(false) };
+        let Some(cycle) = number.and_then(HeidenhainHoleCycle::numbered) else { return Ok(false) };
         self.calling = None;
         let unset = self.set_parameters(host, cycle)?;
         let made = self.hole_of(host, cycle, blocks);
         unset.into_iter().for_each(|name| self.variables.put_back(name, None));
         for (name, value) in std::mem::take(&mut self.cycles.running.changed) {
-            self.variables.set(name, Value::Number(value));
+            self.variables.set(name, ParameterValue::Number(value));
         }
         made.map(|()| true)
     }
 
     /// Gives parameters without a value that of the machine, or warns that 0 is used. Returns the parameters that have
     /// a value only for this hole.
-    fn set_parameters(&mut self, host: &mut dyn Host, cycle: HoleCycle) -> Result<Vec<Name>, Halt> {
+    fn set_parameters(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        cycle: HeidenhainHoleCycle,
+    ) -> Result<Vec<QParameter>, Halt> {
         let mut unset = Vec::new();
         for &index in cycle.parameters() {
-            let name = Name { kind: Kind::Q, index };
+            let name = QParameter { kind: ParameterKind::Q, index };
             if self.variables.get(name).is_none()
-                && let Some(value @ Value::Number(_)) = Evaluator::new(&mut self.variables, host).value_or_kept(name)?
+                && let Some(value @ ParameterValue::Number(_)) =
+                    Evaluator::new(&mut self.variables, host).value_or_kept(name)?
             {
                 self.variables.set(name, value);
                 unset.push(name);
@@ -139,23 +149,28 @@ impl Heidenhain {
     }
 
     /// The path ends at a hole: a corner cannot follow, and the radius is not compensated from there on.
-    fn leave_path(&mut self, host: &mut dyn Host) -> Result<(), Halt> {
+    fn leave_path(&mut self, host: &mut dyn InterpreterHost) -> Result<(), Halt> {
         if self.path.corner.take().is_some() {
             let text = format!("no corner can follow the hole of '{}'", host.block_text());
             return Err(host.alarm(&diag::PATH_REFUSED, text));
         }
         self.path.base = None;
-        self.path.side = Beside::default();
+        self.path.side = RadiusCompensation::default();
         self.path.round = false;
         Ok(())
     }
 
-    fn hole_of(&mut self, host: &mut dyn Host, cycle: HoleCycle, blocks: &mut MadeBlocks) -> Result<(), Halt> {
+    fn hole_of(
+        &mut self,
+        host: &mut dyn InterpreterHost,
+        cycle: HeidenhainHoleCycle,
+        blocks: &mut MadeBlocks,
+    ) -> Result<(), Halt> {
         let depth = self.parameter(201);
         if depth == 0.0 {
             return Ok(());
         }
-        if depth > 0.0 && cycle != HoleCycle::Centre {
+        if depth > 0.0 && cycle != HeidenhainHoleCycle::Centre {
             let text = format!(
                 "error 1098: the depth Q201 is above 0 in '{}'; the control drills towards smaller values",
                 host.block_text()
@@ -166,23 +181,23 @@ impl Heidenhain {
         let feed = self.units.programmed(host);
         let (surface, second) = (self.parameter(203), self.parameter(204));
         let clearance = self.parameter(200);
-        let levels = Levels {
+        let levels = HeidenhainHoleLevels {
             surface,
             clearance: surface + clearance,
             second: (second >= clearance).then_some(surface + second),
             depth: surface + depth,
         };
         let words = *self.cycles.holes.get_or_insert_with(|| HoleWords::of(host));
-        let mut hole = Hole { control: self, host, blocks, words, feed, levels };
+        let mut hole = HeidenhainHoleBuilder { control: self, host, blocks, words, feed, levels };
         hole.rapid(hole.levels.clearance);
         match cycle {
-            HoleCycle::Drill => hole.drill(),
-            HoleCycle::Ream => hole.ream(),
-            HoleCycle::Universal => hole.universal(),
-            HoleCycle::Peck => hole.peck(),
-            HoleCycle::FloatingTap => hole.floating_tap(),
-            HoleCycle::RigidTap => hole.rigid_tap(),
-            HoleCycle::Centre => hole.centre(),
+            HeidenhainHoleCycle::Drill => hole.drill(),
+            HeidenhainHoleCycle::Ream => hole.ream(),
+            HeidenhainHoleCycle::Universal => hole.universal(),
+            HeidenhainHoleCycle::Peck => hole.peck(),
+            HeidenhainHoleCycle::FloatingTap => hole.floating_tap(),
+            HeidenhainHoleCycle::RigidTap => hole.rigid_tap(),
+            HeidenhainHoleCycle::Centre => hole.centre(),
         }?;
         hole.leave();
         Ok(())
@@ -190,11 +205,11 @@ impl Heidenhain {
 
     /// A Q parameter, 0 without a value.
     fn parameter(&self, index: u32) -> f64 {
-        self.number(Name { kind: Kind::Q, index })
+        self.number(QParameter { kind: ParameterKind::Q, index })
     }
 }
 
-impl Hole<'_> {
+impl HeidenhainHoleBuilder<'_> {
     /// A Q parameter, 0 without a value.
     fn parameter(&self, index: u32) -> f64 {
         self.control.parameter(index)

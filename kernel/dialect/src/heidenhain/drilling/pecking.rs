@@ -5,7 +5,7 @@
 
 use counterpoint_fault::Halt;
 
-use super::{Hole, MOST_INFEEDS, NEGLIGIBLE};
+use super::{HeidenhainHoleBuilder, MOST_INFEEDS, NEGLIGIBLE};
 use counterpoint_fault as diag;
 
 /// Infeeds of a hole.
@@ -35,7 +35,7 @@ impl Infeeds {
     }
 }
 
-impl Hole<'_> {
+impl HeidenhainHoleBuilder<'_> {
     fn infeeds(&self, shrinks: bool) -> Infeeds {
         let shrink = if shrinks { [self.parameter(212), self.parameter(205)] } else { [0.0; 2] };
         Infeeds { length: self.parameter(202), shrink, depth: self.levels.depth }

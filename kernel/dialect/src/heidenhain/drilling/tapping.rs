@@ -5,13 +5,13 @@
 
 use counterpoint_fault::Halt;
 
-use super::Hole;
+use super::HeidenhainHoleBuilder;
 
 /// M functions for a direction of the spindle and for the opposite direction.
 const CLOCKWISE: [f64; 2] = [3.0, 4.0];
 const COUNTERCLOCKWISE: [f64; 2] = [4.0, 3.0];
 
-impl Hole<'_> {
+impl HeidenhainHoleBuilder<'_> {
     /// 206: tapping at the feed Q206.
     pub(super) fn floating_tap(&mut self) -> Result<(), Halt> {
         let feed = self.parameter(206);

@@ -4,8 +4,8 @@
 //! every feed has its M function.
 
 use super::super::moves::RAPID;
-use super::Hole;
-use crate::host::{Host, MadeWord};
+use super::HeidenhainHoleBuilder;
+use crate::host::{InterpreterHost, MadeWord};
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 
 /// The machine's words for holes.
@@ -20,7 +20,7 @@ pub(in super::super) struct HoleWords {
 
 impl HoleWords {
     /// Looks the words up in the tables of the machine.
-    pub(super) fn of(host: &dyn Host) -> Self {
+    pub(super) fn of(host: &dyn InterpreterHost) -> Self {
         Self {
             line: host.literal("L"),
             rapid: host.literal("FMAX"),
@@ -31,7 +31,7 @@ impl HoleWords {
     }
 }
 
-impl Hole<'_> {
+impl HeidenhainHoleBuilder<'_> {
     fn text(&mut self, row: Option<CodeRowId>) {
         if let Some(row) = row {
             self.blocks.push_text(row);

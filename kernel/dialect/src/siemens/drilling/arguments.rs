@@ -3,23 +3,23 @@
 //! Facts: reference siemens-cycles.md 1: an omitted argument is 0. *Invariant:* every argument has the type of its
 //! parameter. Texts, which name thread tables for dialogs, have the number 0.
 
-use super::super::calls::PassedArgument;
-use super::super::define::Header;
+use super::super::define::ProcHeader;
+use super::super::variable_store::PassedArgument;
 
 /// Arguments of a call.
 #[derive(Debug, Default)]
-pub(super) struct Arguments {
+pub(super) struct DrillingArguments {
     values: Vec<f64>,
     /// Whether the call gives each argument.
     given: Vec<bool>,
 }
 
-impl Arguments {
+impl DrillingArguments {
     /// Converts the arguments of a call to the types of the parameters.
     ///
     /// # Errors
     /// The call has too many arguments, or an argument has the wrong type.
-    pub(super) fn new(header: &Header, given: &[PassedArgument]) -> Result<Self, String> {
+    pub(super) fn new(header: &ProcHeader, given: &[PassedArgument]) -> Result<Self, String> {
         let count = header.parameters.len();
         if given.len() > count {
             return Err(format!("{} takes {count} arguments, not {}", header.name, given.len()));
@@ -30,7 +30,7 @@ impl Arguments {
             arguments.given.push(passed.is_some_and(PassedArgument::is_there));
             let number = match passed {
                 None => 0.0,
-                Some(passed) => passed.number_as(parameter)?,
+                Some(passed) => passed.number_as(&parameter.name, parameter.kind)?,
             };
             arguments.values.push(number);
         }

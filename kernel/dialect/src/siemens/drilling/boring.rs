@@ -4,11 +4,11 @@
 //! retract. CYCLE87 and CYCLE88 stop the spindle and the program at the depth. CYCLE89 retracts at feed.
 
 use super::super::value::shown;
-use super::super::{Fault, Outcome};
-use super::Hole;
+use super::super::{Outcome, SiemensBlockError};
+use super::SiemensHoleBuilder;
 use counterpoint_fault as diag;
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// CYCLE86(RTP, RFP, SDIS, DP, DPR, DTB, SDIR, RPA, RPO, RPAP, POSS, _GMODE, _DMODE, _AMODE).
     pub(super) fn bore_oriented(&mut self) -> Outcome<()> {
         let [dwell, direction, aside, angle, modes] = [5, 6, 7, 10, 11];
@@ -22,7 +22,7 @@ impl Hole<'_> {
                  {axis}",
                 self.name
             );
-            return Err(Fault::Alarm(&diag::UNKNOWN_TEXT, text));
+            return Err(SiemensBlockError::Alarm(&diag::UNKNOWN_TEXT, text));
         }
         self.rapid_absolute(levels.start);
         self.start_spindle(direction)?;

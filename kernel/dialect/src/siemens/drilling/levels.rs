@@ -8,12 +8,12 @@ use super::super::expression::whole;
 use super::super::syntax;
 use super::super::system::plane;
 use super::super::value::shown;
-use super::Hole;
+use super::SiemensHoleBuilder;
 use super::words::HoleAxes;
 
 /// Levels along the tool axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Levels {
+pub(super) struct SiemensHoleLevels {
     /// Start of machining: the safety distance before the reference plane.
     pub(super) start: f64,
     /// Bottom of the hole.
@@ -26,7 +26,7 @@ pub(super) struct Levels {
     pub(super) reference: f64,
 }
 
-impl Levels {
+impl SiemensHoleLevels {
     /// Depth below the reference plane.
     pub(super) fn total(&self) -> f64 {
         (self.bottom - self.reference).abs()
@@ -38,9 +38,9 @@ impl Levels {
     }
 }
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// Levels from RTP, RFP, SDIS, DP and DPR, which are the first arguments of every cycle.
-    pub(super) fn levels(&mut self) -> Outcome<Levels> {
+    pub(super) fn levels(&mut self) -> Outcome<SiemensHoleLevels> {
         let [retract, reference, distance, depth, relative] = [0, 1, 2, 3, 4].map(|at| self.arguments.number(at));
         let (bottom, sign);
         if relative == 0.0 && self.arguments.is_given(3) {
@@ -60,7 +60,7 @@ impl Hole<'_> {
             );
             self.alarm(61101, &text)?;
         }
-        Ok(Levels { start: reference - sign * distance.abs(), bottom, sign, retract, reference })
+        Ok(SiemensHoleLevels { start: reference - sign * distance.abs(), bottom, sign, retract, reference })
     }
 
     /// Checks and applies _GMODE, _DMODE and _AMODE, the arguments from `modes` on. No digit may exceed the digit of

@@ -16,14 +16,14 @@ mod words;
 use std::sync::Arc;
 
 use super::calls::{Calling, mismatch};
-use super::define::Header;
-use super::expression::Name;
+use super::define::ProcHeader;
+use super::expression::IndexedName;
 use super::{Outcome, Siemens};
-use crate::host::Host;
+use crate::host::InterpreterHost;
 use crate::interpreter::MadeBlocks;
-use arguments::Arguments;
+use arguments::DrillingArguments;
 use counterpoint_event::FileId;
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 use words::HoleAxes;
 
 /// Remaining depths below this count as 0.
@@ -75,19 +75,19 @@ impl Drilling {
 
 /// A resident program that is a drilling cycle.
 #[derive(Debug)]
-pub(super) struct HoleCycle {
+pub(super) struct SiemensHoleCycle {
     drilling: Drilling,
-    header: Header,
+    header: ProcHeader,
 }
 
 /// A hole while its blocks are generated.
-struct Hole<'h> {
+struct SiemensHoleBuilder<'h> {
     siemens: &'h mut Siemens,
-    host: &'h mut dyn Host,
+    host: &'h mut dyn InterpreterHost,
     blocks: &'h mut MadeBlocks,
     /// Name of the cycle, for messages.
     name: &'h str,
-    arguments: Arguments,
+    arguments: DrillingArguments,
     axes: HoleAxes,
 }
 
@@ -95,8 +95,8 @@ impl Siemens {
     /// Generates the blocks of the drilling cycle that the block calls; false if the program is not such a cycle.
     pub(super) fn hole(
         &mut self,
-        host: &mut dyn Host,
-        (file, range): (FileId, Range),
+        host: &mut dyn InterpreterHost,
+        (file, range): (FileId, ProgramRange),
         blocks: &mut MadeBlocks,
     ) -> Outcome<bool> {
         let known = self.held.holes.get(&file).cloned();
@@ -104,8 +104,9 @@ impl Siemens {
             Some(known) => known,
             None => {
                 let header = self.header_of(host, file, range);
-                let cycle = header
-                    .and_then(|header| Some(Arc::new(HoleCycle { drilling: Drilling::named(&header.name)?, header })));
+                let cycle = header.and_then(|header| {
+                    Some(Arc::new(SiemensHoleCycle { drilling: Drilling::named(&header.name)?, header }))
+                });
                 self.held.holes.insert(file, cycle.clone());
                 cycle
             }
@@ -116,14 +117,14 @@ impl Siemens {
             Some(Calling { line: of, part: false, given, .. }) if *of == line => given.as_slice(),
             _ => &[],
         };
-        let arguments = Arguments::new(&cycle.header, given).or_else(mismatch)?;
+        let arguments = DrillingArguments::new(&cycle.header, given).or_else(mismatch)?;
         if self.modal_from.is_some_and(|level| host.level() <= level) {
             self.modal_from = None;
         }
         blocks.restores_codes = cycle.header.save;
         let axes = HoleAxes::of(host);
         let name = &cycle.header.name;
-        let mut hole = Hole { siemens: self, host, blocks, name, arguments, axes };
+        let mut hole = SiemensHoleBuilder { siemens: self, host, blocks, name, arguments, axes };
         match cycle.drilling {
             Drilling::Centre => hole.centre(),
             Drilling::Counterbore => hole.counterbore(),
@@ -139,7 +140,7 @@ impl Siemens {
     }
 }
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// Raises an alarm of the cycle.
     fn alarm(&mut self, number: u32, text: &str) -> Outcome<()> {
         let text = format!("{} sets alarm {number}: {text}", self.name);
@@ -148,7 +149,7 @@ impl Hole<'_> {
 
     /// Reads a numeric system variable.
     fn variable(&mut self, name: &str) -> Outcome<f64> {
-        let name = Name { name: name.to_owned(), index: Vec::new() };
+        let name = IndexedName { name: name.to_owned(), index: Vec::new() };
         super::evaluate::number(&self.siemens.read(self.host, &name)?)
     }
 

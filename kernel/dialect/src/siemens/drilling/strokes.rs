@@ -7,7 +7,7 @@ use super::super::Outcome;
 use super::super::evaluate::same;
 use super::super::groups;
 use super::super::value::shown;
-use super::{Hole, MOST_STROKES, NEGLIGIBLE};
+use super::{MOST_STROKES, NEGLIGIBLE, SiemensHoleBuilder};
 
 /// G group of the unit of length: 1 is G70, 3 is G700.
 const UNIT_GROUP: i64 = 13;
@@ -63,7 +63,7 @@ impl Strokes {
     }
 }
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// CYCLE83(RTP, RFP, SDIS, DP, DPR, FDEP, FDPR, DAM, DTB, DTS, FRF, VARI, _AXN, _MDEP, _VRT, _DTD, _DIS1, _GMODE,
     /// _DMODE, _AMODE).
     pub(super) fn deep(&mut self) -> Outcome<()> {

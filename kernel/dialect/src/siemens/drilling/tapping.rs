@@ -5,7 +5,7 @@
 
 use super::super::Outcome;
 use super::super::value::shown;
-use super::{Hole, MOST_STROKES, NEGLIGIBLE};
+use super::{MOST_STROKES, NEGLIGIBLE, SiemensHoleBuilder};
 
 /// Nominal sizes below which the coarse lead is this.
 const COARSE: [(f64, f64); 14] = [
@@ -25,7 +25,7 @@ const COARSE: [(f64, f64); 14] = [
     (f64::INFINITY, 5.0),
 ];
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// CYCLE84(RTP, RFP, SDIS, DP, DPR, DTB, SDAC, MPIT, PIT, POSS, SST, SST1, _AXN, _PITA, _TECHNO, _VARI, _DAM, _VRT,
     /// _PITM, _PTAB, _PTABA, _GMODE, _DMODE, _AMODE).
     pub(super) fn rigid_tap(&mut self) -> Outcome<()> {

@@ -3,8 +3,8 @@
 //! *Invariant:* positions are rounded to nine decimals, like every value that the control's language gives to a word.
 
 use super::super::system::plane;
-use super::Hole;
-use crate::host::{Host, MadeWord};
+use super::SiemensHoleBuilder;
+use crate::host::{InterpreterHost, MadeWord};
 
 /// Steps per unit in the value of a word.
 const STEPS: f64 = 1e9;
@@ -22,12 +22,12 @@ pub(super) struct HoleAxes {
 
 impl HoleAxes {
     /// The axes of the active plane.
-    pub(super) fn of(host: &dyn Host) -> Self {
+    pub(super) fn of(host: &dyn InterpreterHost) -> Self {
         Self::in_plane(host, plane(host))
     }
 
     /// The axes of a plane: 1 G17, 2 G18, 3 G19. Without a Y axis the applicate is always Z.
-    pub(super) fn in_plane(host: &dyn Host, plane: Option<i64>) -> Self {
+    pub(super) fn in_plane(host: &dyn InterpreterHost, plane: Option<i64>) -> Self {
         let has = |letter: u8| host.axis_letter(std::str::from_utf8(&[letter]).unwrap_or_default()).is_some();
         let letters = match plane.filter(|_| has(b'Y')) {
             Some(2) => *b"ZXY",
@@ -43,7 +43,7 @@ impl HoleAxes {
     }
 }
 
-impl Hole<'_> {
+impl SiemensHoleBuilder<'_> {
     /// Adds a word by its letter.
     pub(super) fn letter(&mut self, letter: u8, value: f64) {
         let register = self.host.register(letter);

@@ -4,18 +4,18 @@
 //! defined centre is a point and stays until another definition; a code of circles without a direction looks for one in
 //! its block, then takes the last one.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::kind::arc::{By, Form};
+use counterpoint_machine::ident::kind::arc::{ArcDefinition, ArcForm};
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::Heights;
+use counterpoint_machine::model::DistanceMode;
 
 /// Direction of a circle: that of its code, of another code in the block, or the last one.
-pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
+pub(super) fn direction(act: &mut ActionContext<'_, '_>, form: ArcForm) -> Option<bool> {
     let machine = act.channel().env.machine;
     let on_block = || {
         let ids = act.channel().block.pending.iter().map(|code| &machine.codes[code.row]);
@@ -31,14 +31,14 @@ pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
 }
 
 /// Takes a coordinate of a centre, as a radius value in the work frame.
-pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> Option<f64> {
+pub(super) fn coordinate(act: &mut ActionContext<'_, '_>, id: DataId, axis: AxisSlot) -> Option<f64> {
     let datum = act.take(id)?;
     let relative = datum.incremental
         || !datum.absolute
             && match act.channel().env.machine.arcs.center {
-                Heights::Incremental => true,
-                Heights::Absolute => false,
-                Heights::Mode => act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
+                DistanceMode::Incremental => true,
+                DistanceMode::Absolute => false,
+                DistanceMode::Mode => act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
             };
     let scale = act.channel().state.place.layout.axes[axis].scale;
     let of = |list: &Position| list.at(axis);
@@ -54,7 +54,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
 }
 
 /// A centre for the circles to come; without words only the form of the block's circle.
-pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
+pub(crate) fn define_center(act: &mut ActionContext<'_, '_>) -> Acted {
     let mut center = [None; 3];
     for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
         let axis = act.channel().state.place.layout.cartesian.get(role).copied().flatten();
@@ -70,11 +70,12 @@ pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
         act.channel_mut().state.arcs.center = center;
         act.channel_mut().state.arcs.radius = None;
     }
-    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) = (By::Center, act.channel().at.blocks);
+    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) =
+        (ArcDefinition::Center, act.channel().at.blocks);
     Ok(())
 }
 
-fn not_here(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+fn not_here(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
     if act.take(id).is_some() {
         let text =
             format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.channel().block_text());
@@ -84,17 +85,18 @@ fn not_here(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 }
 
 /// A radius for the circles to come; without a word only the form of the block's circle.
-pub(crate) fn define_radius(act: &mut Act<'_, '_>) -> Acted {
+pub(crate) fn define_radius(act: &mut ActionContext<'_, '_>) -> Acted {
     if let Some(radius) = act.take(data::ARC_RADIUS) {
         act.channel_mut().state.arcs.radius = Some(radius.value);
         act.channel_mut().state.arcs.center = [None; 3];
     }
-    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) = (By::Radius, act.channel().at.blocks);
+    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) =
+        (ArcDefinition::Radius, act.channel().at.blocks);
     Ok(())
 }
 
 /// A direction for circles whose code has none.
-pub(crate) fn define_direction(act: &mut Act<'_, '_>, clockwise: bool) -> Acted {
+pub(crate) fn define_direction(act: &mut ActionContext<'_, '_>, clockwise: bool) -> Acted {
     act.channel_mut().state.arcs.clockwise = Some(clockwise);
     Ok(())
 }

@@ -13,12 +13,12 @@ pub(super) use define::{define_center, define_direction, define_radius};
 
 use counterpoint_motion::arc as geometry;
 
-use super::time::Path;
+use super::time::TimedPath;
 use super::turned;
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::state::alarms::STRAIGHT;
-use crate::state::cutter::{Shape, Step};
+use crate::state::cutter::{MoveShape, ProgrammedMove};
 use crate::state::modal::{Plane, group, plane};
 use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
@@ -27,20 +27,28 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::arc::{By, Form};
+use counterpoint_machine::ident::kind::arc::{ArcDefinition, ArcForm};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::paths::{Helix, Turns};
+use counterpoint_machine::model::paths::{Helix, MultiTurnCircles};
 use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| arc(act, form, code)).moves().contour(Contour::Follows),
-    Entry::of(&[codes::INTERP_ARC_TANGENT], |act, _, _| tangent::tangent(act)).moves().contour(Contour::Follows),
-    Entry::of(&[codes::INTERP_ARC_3D], |act, _, _| space::through(act)).moves().contour(Contour::Leaves),
-    Entry::of(&[codes::INTERP_DEF_CENTER], |act, _, _| define_center(act)).contour(Contour::Waits),
-    Entry::of(&[codes::INTERP_DEF_RADIUS], |act, _, _| define_radius(act)).contour(Contour::Waits),
-    Entry::of(&[codes::INTERP_DEF_CLW], |act, _, _| define_direction(act, true)).contour(Contour::Waits),
-    Entry::of(&[codes::INTERP_DEF_CCLW], |act, _, _| define_direction(act, false)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| arc(act, form, code))
+        .moves()
+        .contour(CompensationEffect::Follows),
+    ActionEntry::of(&[codes::INTERP_ARC_TANGENT], |act, _, _| tangent::tangent(act))
+        .moves()
+        .contour(CompensationEffect::Follows),
+    ActionEntry::of(&[codes::INTERP_ARC_3D], |act, _, _| space::through(act))
+        .moves()
+        .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::INTERP_DEF_CENTER], |act, _, _| define_center(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::INTERP_DEF_RADIUS], |act, _, _| define_radius(act)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::INTERP_DEF_CLW], |act, _, _| define_direction(act, true))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::INTERP_DEF_CCLW], |act, _, _| define_direction(act, false))
+        .contour(CompensationEffect::Waits),
 ];
 
 /// The plane of a circle by its axes in the channel, with their factors to radius values.
@@ -65,7 +73,7 @@ impl Flat {
 }
 
 /// The data of a block about its circle.
-struct Words {
+struct CircleWords {
     radius: Option<f64>,
     /// Centre in the plane, radius values.
     center: Option<[f64; 2]>,
@@ -74,12 +82,12 @@ struct Words {
 }
 
 /// A thread along a circle in the active plane.
-pub(super) fn threaded(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode, screw: Screw) -> Acted {
-    along(act, Form::new(Some(clockwise), By::Any, false), code, Some(screw))
+pub(super) fn threaded(act: &mut ActionContext<'_, '_>, clockwise: bool, code: &PendingCode, screw: Screw) -> Acted {
+    along(act, ArcForm::new(Some(clockwise), ArcDefinition::Any, false), code, Some(screw))
 }
 
 /// An arc in the active plane, helical when a further axis is coded.
-pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acted {
+pub(super) fn arc(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode) -> Acted {
     if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return super::motion::rapid(act);
     }
@@ -92,7 +100,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
 }
 
 /// A circle at a feed, or at the lead of a thread.
-fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Screw>) -> Acted {
+fn along(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode, screw: Option<Screw>) -> Acted {
     let (feed, unit) = match screw {
         Some(screw) => (Some(screw.lead), FeedUnit::PerRevolution),
         None => act.feed(),
@@ -148,7 +156,7 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
 }
 
 /// The active plane, if the channel has its axes.
-fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
+fn active_plane(act: &ActionContext<'_, '_>) -> Option<(Plane, Flat)> {
     let plane = plane(act.channel().state.modal.code(group::PLANE)?)?;
     let index = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     let axes = [index(plane.first)?, index(plane.second)?];
@@ -157,16 +165,22 @@ fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
 }
 
 /// Takes radius or centre, then the angle; earlier blocks may have defined values that this block omits.
-fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
+fn take_words(
+    act: &mut ActionContext<'_, '_>,
+    form: ArcForm,
+    plane: &Plane,
+    flat: &Flat,
+    (coded, implied): (u8, bool),
+) -> CircleWords {
     let here = act.channel().state.arcs.block == act.channel().at.blocks;
     let by = match form.by {
-        By::Any if here => act.channel().state.arcs.by,
+        ArcDefinition::Any if here => act.channel().state.arcs.by,
         by => by,
     };
-    let mut radius = if by == By::Center { None } else { act.take(data::ARC_RADIUS).map(|d| d.value) };
+    let mut radius = if by == ArcDefinition::Center { None } else { act.take(data::ARC_RADIUS).map(|d| d.value) };
     let start = flat.point(&act.channel().state.place.programmed());
     let mut center = None;
-    if by != By::Radius {
+    if by != ArcDefinition::Radius {
         let roles = [plane.first, plane.second];
         let sides = plane.centers.into_iter().zip(roles).zip(flat.axes);
         let mut said = [None; 2];
@@ -177,7 +191,8 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
         let known = roles.map(|role| act.channel().state.arcs.center.get(role).copied().flatten());
         let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
         if said.iter().any(Option::is_some) {
-            let offsets = act.channel().env.machine.arcs.center == counterpoint_machine::model::Heights::Incremental;
+            let offsets =
+                act.channel().env.machine.arcs.center == counterpoint_machine::model::DistanceMode::Incremental;
             let known = if offsets { [None; 2] } else { known };
             center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
         } else if known.iter().any(Option::is_some) && radius.is_none() {
@@ -188,17 +203,17 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
         }
     }
     if radius.is_none() && center.is_none() && coded != 0 && !act.block_has(data::ARC_ANGLE) {
-        radius = act.channel().state.arcs.radius.filter(|_| by != By::Center);
+        radius = act.channel().state.arcs.radius.filter(|_| by != ArcDefinition::Center);
     }
     let angle = if radius.is_none() { act.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
-    Words { radius, center, angle }
+    CircleWords { radius, center, angle }
 }
 
 /// Makes the circle and travels along it.
 fn cut(
-    act: &mut Act<'_, '_>,
-    words: &Words,
-    (form, clockwise): (Form, bool),
+    act: &mut ActionContext<'_, '_>,
+    words: &CircleWords,
+    (form, clockwise): (ArcForm, bool),
     (plane, flat): (Plane, &Flat),
     (coded, mut target): (u8, Position),
     (feed, unit, screw): (Option<f64>, FeedUnit, Option<Screw>),
@@ -207,8 +222,8 @@ fn cut(
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = act.channel().env.machine.arcs.tolerance;
     // Many machines do not ask.
-    let asks =
-        act.channel().env.machine.arcs.helix != Helix::Any || act.channel().env.machine.arcs.turns == Turns::Helical;
+    let asks = act.channel().env.machine.arcs.helix != Helix::Any
+        || act.channel().env.machine.arcs.turns == MultiTurnCircles::Helical;
     let rises = asks && rises(act, flat, &from, &target);
     let made = match (words.radius, words.angle, words.center) {
         (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
@@ -242,7 +257,7 @@ fn cut(
         made = made.with_turns(turns);
     }
     check_machine(act, form, &made, rises);
-    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit, screw };
+    let circle = CircularMove { made, coded, from, to: target, axes: flat.axes, turns, feed, unit, screw };
     if act.channel().state.place.frames.is_some() {
         turned::circle(act, plane, &circle)
     } else {
@@ -252,8 +267,8 @@ fn cut(
 
 /// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
 /// radius has no length and moves nothing in its plane.
-pub(super) fn not_made(act: &mut Act<'_, '_>, error: geometry::Error) {
-    if error == geometry::Error::SamePoint && act.channel().env.machine.arcs.stands {
+pub(super) fn not_made(act: &mut ActionContext<'_, '_>, error: geometry::ArcError) {
+    if error == geometry::ArcError::SamePoint && act.channel().env.machine.arcs.stands {
         return;
     }
     let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
@@ -266,12 +281,12 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Whether a linear axis out of the plane moves too.
-fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
+fn rises(act: &ActionContext<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
     let axes = act.channel().state.place.layout.axes.entries();
     axes.filter(|(slot, axis)| !flat.axes.contains(slot) && !axis.rotary).any(|(slot, _)| from.at(slot) != to.at(slot))
 }
 
-fn check_end(act: &mut Act<'_, '_>, off: f64) {
+fn check_end(act: &mut ActionContext<'_, '_>, off: f64) {
     if off > act.channel().env.machine.arcs.tolerance {
         let text = format!("the end is {off:.4} off the circle in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
@@ -279,11 +294,11 @@ fn check_end(act: &mut Act<'_, '_>, off: f64) {
 }
 
 /// Full turns in addition, where the machine has them.
-fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
+fn take_turns(act: &mut ActionContext<'_, '_>, rises: bool) -> u16 {
     let may = match act.channel().env.machine.arcs.turns {
-        Turns::Always => true,
-        Turns::Helical => rises,
-        Turns::Never => false,
+        MultiTurnCircles::Always => true,
+        MultiTurnCircles::Helical => rises,
+        MultiTurnCircles::Never => false,
     };
     let turns = if may { act.take(data::ARC_TURNS).map_or(0.0, |d| d.value) } else { 0.0 };
     if (0.0..=geometry::MOST_TURNS).contains(&turns) {
@@ -295,7 +310,7 @@ fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
 }
 
 /// The limit of the machine; the circle is made nevertheless.
-fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises: bool) {
+fn check_machine(act: &mut ActionContext<'_, '_>, form: ArcForm, made: &geometry::PlaneArc, rises: bool) {
     check_radius(act, made.radius);
     let allowed = match act.channel().env.machine.arcs.helix {
         Helix::Any => true,
@@ -309,7 +324,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
 }
 
 /// A radius above the largest of the machine.
-fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
+fn check_radius(act: &mut ActionContext<'_, '_>, radius: f64) {
     let most = act.channel().env.machine.arcs.max_radius;
     if radius > most {
         let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.channel().block_text());
@@ -319,9 +334,9 @@ fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
 
 /// A circle to be made, in the frame of its points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Circle {
+pub(super) struct CircularMove {
     /// Geometry, with full turns.
-    pub(super) made: geometry::Arc,
+    pub(super) made: geometry::PlaneArc,
     pub(super) coded: u8,
     pub(super) from: Position,
     pub(super) to: Position,
@@ -334,18 +349,24 @@ pub(super) struct Circle {
     pub(super) screw: Option<Screw>,
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A circle in the work frame.
     #[inline(always)]
-    pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
+    pub(super) fn circle_to(&mut self, circle: &CircularMove) -> Acted {
         if self.channel().state.place.is_compensated() && circle.screw.is_none() {
-            let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
-            return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
+            let CircularMove { made, axes, turns, coded, to, feed, unit, .. } = *circle;
+            return self.compensate(ProgrammedMove {
+                shape: MoveShape::Circle { made, axes, turns },
+                coded,
+                to,
+                feed,
+                unit,
+            });
         }
         if let Some(polar) = self.channel().state.place.polar() {
             return self.circle_of_part(polar, circle);
         }
-        let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
+        let CircularMove { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
         let changes = self.channel().state.place.changes(&from, &to);
         let axes = self.channel().state.place.layout.axes.entries();
         let rise = axes
@@ -367,7 +388,7 @@ impl Act<'_, '_> {
             }
             None => made.length(),
         };
-        let path = Path { from: &from, to: &to, length: along, arc: Some((&made, radial)) };
+        let path = TimedPath { from: &from, to: &to, length: along, arc: Some((&made, radial)) };
         let mut seconds = match &screw {
             Some(screw) => self.arc_thread_seconds(&to, (&made, [first, second]), screw)?,
             None => self.feed_seconds(&path, feed, unit)?,

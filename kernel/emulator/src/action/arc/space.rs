@@ -4,12 +4,12 @@
 //! mode, diameters on a diameter axis; an omitted coordinate is that of the start.
 
 use counterpoint_machine::index::BySlot;
-use counterpoint_motion::arc::Arc;
-use counterpoint_motion::space::Circle;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::space::SpaceArc;
 
 use super::check_radius;
-use crate::act::Act;
-use crate::action::time::Path;
+use crate::act::ActionContext;
+use crate::action::time::TimedPath;
 use crate::state::alarms::STRAIGHT;
 use crate::state::modal::group;
 use counterpoint_event::event::{Motion, MotionKind, Position};
@@ -19,7 +19,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_results::geometry::spatial;
 
 /// An arc by way of a point.
-pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
+pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, target) = act.targets();
     let (said, via) = way_point(act);
@@ -48,7 +48,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
     let axes = info.channel(act.channel().at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
     let [start, middle, end] = [from, via, target].map(|position| seen.point(&position));
-    let circle = match Circle::through(start, middle, end) {
+    let circle = match SpaceArc::through(start, middle, end) {
         Ok(circle) => circle,
         Err(error) => {
             let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
@@ -63,9 +63,13 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
     let (center, reach, start_angle) = circle.swing(0);
-    let flat = Arc { center: [center, 0.0], radius: reach, start_angle, sweep: circle.sweep };
-    let path =
-        Path { from: &from, to: &target, length: circle.length(), arc: (reach > 1e-9).then_some((&flat, Some(0))) };
+    let flat = PlaneArc { center: [center, 0.0], radius: reach, start_angle, sweep: circle.sweep };
+    let path = TimedPath {
+        from: &from,
+        to: &target,
+        length: circle.length(),
+        arc: (reach > 1e-9).then_some((&flat, Some(0))),
+    };
     let seconds = act.feed_seconds(&path, feed, unit)?;
     let seconds = act.at_rates(seconds, &from, &target, None);
     let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
@@ -87,7 +91,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Takes the point on the way: bits of the given coordinates, and the point.
-fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
+fn way_point(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let (mut said, mut via) = (0, act.channel().state.place.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {

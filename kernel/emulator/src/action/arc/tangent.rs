@@ -7,8 +7,8 @@ use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::tangent::{Tangent, tangent as leads};
 
-use super::{Circle, Flat, active_plane};
-use crate::act::Act;
+use super::{CircularMove, Flat, active_plane};
+use crate::act::ActionContext;
 use crate::action::turned;
 use crate::state::alarms::STRAIGHT;
 use crate::state::arc::LastMove;
@@ -16,7 +16,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 
 /// A circle to a point, in the direction in which the last move has ended.
-pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, target) = act.programmed_targets();
     if coded == 0 {
@@ -49,7 +49,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
             return act.feed_to_point(coded, target, feed, unit);
         }
     };
-    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit, screw: None };
+    let circle = CircularMove { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit, screw: None };
     if act.channel().state.place.frames.is_some() {
         turned::circle(act, plane, &circle)
     } else {
@@ -58,7 +58,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Direction of the last move at its end, as the program sees it, of length one.
-fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
+fn heading(act: &ActionContext<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
     let here = act.channel().state.place.contour();
     let mut ahead = here;
     match act.channel().state.arcs.last? {

@@ -10,9 +10,9 @@ use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::contour::element::{Element, Spot, cross, direction, plus};
 
 use super::words::polar;
-use super::{Step, compensated_plane};
-use crate::act::Act;
-use crate::state::corner::Open;
+use super::{ProgrammedMove, compensated_plane};
+use crate::act::ActionContext;
+use crate::state::corner::OpenLine;
 use crate::state::modal::group;
 
 /// Sine of the angle below which lines count as parallel: one degree.
@@ -21,7 +21,7 @@ const PARALLEL: f64 = 0.017_452;
 /// Largest distance of a programmed end from the line of its angle.
 const OFF: f64 = 0.01;
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Whether the line of this block gets its end from the next one.
     pub(in crate::action) fn opens_line(&mut self) -> bool {
         self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
@@ -56,7 +56,7 @@ impl Act<'_, '_> {
                 let way = plus(end, start, -1.0);
                 let solved = match (first, second) {
                     (false, false) => {
-                        let open = Open { from, along };
+                        let open = OpenLine { from, along };
                         if let Some(cutter) = self.channel_mut().state.place.cutter() {
                             cutter.asked.open = Some(open);
                         }
@@ -125,7 +125,7 @@ impl Act<'_, '_> {
     }
 
     /// Ends the line that waits where it meets another one.
-    fn cross(&mut self, open: Open, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
+    fn cross(&mut self, open: OpenLine, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
         let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
             || self.channel().block.words.iter().any(|word| word.incremental);
         let start = self.flat(&open.from, axes);
@@ -168,7 +168,7 @@ impl Act<'_, '_> {
     }
 
     /// A line without an end waits for the next one.
-    pub(super) fn wait_for_end(&mut self, step: Step) {
+    pub(super) fn wait_for_end(&mut self, step: ProgrammedMove) {
         let corner = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.corner.take());
         self.wait(step, None, corner);
     }

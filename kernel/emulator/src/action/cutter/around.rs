@@ -8,15 +8,15 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
-use counterpoint_motion::contour::corner::Corner;
+use counterpoint_motion::contour::corner::CornerPath;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distance, plus};
 
-use super::{Cutter, Step};
-use crate::act::Act;
+use super::{CutterCompensation, ProgrammedMove};
+use crate::act::ActionContext;
 use crate::state::modal::plane;
 
 /// Compensation is that of the frame, and the local frame tilts its plane.
-pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
+pub(super) fn frame_tilts(act: &ActionContext<'_, '_>, plane_code: CodeId) -> bool {
     const PLANE: u16 = 148;
     if act.channel().state.modal.code(PLANE) != Some(codes::COMP_IN_FRAME) {
         return false;
@@ -33,9 +33,9 @@ pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
     (0..3).zip(zero.iter().zip(along)).any(|(role, (zero, along))| role != normal && (along - zero).abs() > 1e-9)
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// The way around the beginning of a contour from a point behind it (KONT).
-    pub(super) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<Corner>, diag::Halt> {
+    pub(super) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<CornerPath>, diag::Halt> {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()) else {
             return Ok(None);
         };
@@ -51,7 +51,7 @@ impl Act<'_, '_> {
     }
 
     /// The way around the end of a contour to a point behind it.
-    pub(super) fn around_end(&mut self, step: &Step, element: &Element, end: Option<(Spot, Spot)>) -> Acted {
+    pub(super) fn around_end(&mut self, step: &ProgrammedMove, element: &Element, end: Option<(Spot, Spot)>) -> Acted {
         let Some((cutter, (corner, heading))) =
             self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()).zip(end)
         else {
@@ -75,7 +75,13 @@ impl Act<'_, '_> {
     }
 
     /// Direction of the line over a path beside a corner that stays the radius away from it, turned to a side.
-    fn tangent(&mut self, cutter: &Cutter, way: Spot, side: f64, alarm: u32) -> Result<Option<Spot>, diag::Halt> {
+    fn tangent(
+        &mut self,
+        cutter: &CutterCompensation,
+        way: Spot,
+        side: f64,
+        alarm: u32,
+    ) -> Result<Option<Spot>, diag::Halt> {
         let length = distance(way, [0.0; 2]);
         if length < cutter.radius - NOISE {
             self.refuse_way("the point behind the contour is nearer to its end than the radius of the tool", alarm)?;

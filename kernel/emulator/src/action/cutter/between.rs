@@ -5,19 +5,19 @@
 //! end. *Invariant:* an inside corner that is cut into for this reason is reported.
 
 use super::{corner, smooth};
-use crate::act::Act;
-use crate::action::entry::Contour;
-use crate::state::cutter::Step;
+use crate::act::ActionContext;
+use crate::action::entry::CompensationEffect;
+use crate::state::cutter::ProgrammedMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::model::LengthInMachineFrame;
 
 /// The effect of an action on a waiting move.
-pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> Acted {
+pub(in crate::action) fn before(act: &mut ActionContext<'_, '_>, contour: CompensationEffect, code: CodeId) -> Acted {
     let reads_on =
         act.channel().env.machine.compensation.between.past_stops && matches!(code, codes::STOP | codes::OPSTOP);
-    let contour = if reads_on { Contour::Waits } else { contour };
+    let contour = if reads_on { CompensationEffect::Waits } else { contour };
     corner::follow(act, contour)?;
     if act.channel().env.machine.corners.dwell_only && parts_corner(act, contour, code) {
         act.flush_lookahead()?;
@@ -36,18 +36,18 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     let most = if smooth { most.max(smooth::LOOKED_THROUGH) } else { most };
     let long = cutter.idle > if smooth || cutter.is_due() { most } else { of_machine };
     match contour {
-        Contour::Follows if !in_machine => cutter.suspended = false,
-        Contour::Follows | Contour::Waits => {}
-        Contour::Leaves if code == codes::POSITION_MACHINE && stays_in_machine_frame(act) => {}
-        Contour::Leaves => {
+        CompensationEffect::Follows if !in_machine => cutter.suspended = false,
+        CompensationEffect::Follows | CompensationEffect::Waits => {}
+        CompensationEffect::Leaves if code == codes::POSITION_MACHINE && stays_in_machine_frame(act) => {}
+        CompensationEffect::Leaves => {
             act.flush_lookahead()?;
             if let Some(cutter) = act.channel_mut().state.place.cutter() {
                 cutter.suspended = true;
             }
             return Ok(());
         }
-        Contour::Commands if !shared => {}
-        Contour::Commands | Contour::Ends => return act.flush_lookahead(),
+        CompensationEffect::Commands if !shared => {}
+        CompensationEffect::Commands | CompensationEffect::Ends => return act.flush_lookahead(),
     }
     if !long {
         return Ok(());
@@ -60,7 +60,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
 }
 
 /// Whether positions of the machine frame are those of the tool, beside which compensation stays active.
-fn stays_in_machine_frame(act: &Act<'_, '_>) -> bool {
+fn stays_in_machine_frame(act: &ActionContext<'_, '_>) -> bool {
     act.channel().env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
 }
 
@@ -72,7 +72,7 @@ fn leads_on(code: CodeId) -> bool {
 
 /// More blocks without a move in the plane than the control looks through, where that is an alarm.
 #[cold]
-fn too_many(act: &mut Act<'_, '_>, most: u32) {
+fn too_many(act: &mut ActionContext<'_, '_>, most: u32) {
     let Some(cutter) = act
         .channel_mut()
         .state
@@ -92,17 +92,17 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
 }
 
 /// Whether a code in a block without a move, after the block of a corner, is neither a dwell nor a call.
-fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
+fn parts_corner(act: &mut ActionContext<'_, '_>, contour: CompensationEffect, code: CodeId) -> bool {
     let (blocks, moves) = (act.channel().at.blocks, act.has_motion_word());
     let due = act.channel_mut().state.place.cutter().filter(|cutter| cutter.is_due());
     let before = due.and_then(|cutter| cutter.waiting.last()).is_some_and(|last| last.block != blocks);
     let looked_through = matches!(code, codes::DELAY | codes::DELAY_REV) || leads_on(code);
-    before && !moves && !looked_through && matches!(contour, Contour::Waits | Contour::Commands)
+    before && !moves && !looked_through && matches!(contour, CompensationEffect::Waits | CompensationEffect::Commands)
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A move of length zero counts for several blocks without a move.
-    pub(super) fn count_zero_move(&mut self, step: &Step) {
+    pub(super) fn count_zero_move(&mut self, step: &ProgrammedMove) {
         let counts = self.channel().env.machine.compensation.between.zero_move;
         let stays = self.channel().state.place.contour() == step.to;
         if let Some(cutter) = self.channel_mut().state.place.cutter().filter(|_| stays) {

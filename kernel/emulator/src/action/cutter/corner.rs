@@ -5,20 +5,20 @@
 //! and come right after the move of that block. Facts: reference turning-cycles.md 7, siemens-cycles.md.
 
 use counterpoint_fault as diag;
-use counterpoint_fault::{Acted, Facts};
-use counterpoint_motion::contour::blend::{Cut, TooLong, blend, blend_reduced};
+use counterpoint_fault::{Acted, DiagnosticFacts};
+use counterpoint_motion::contour::blend::{CornerBlend, TooLong, blend, blend_reduced};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, plus};
 
-use super::{Cutter, Shape, Stage, Step, Waiting, compensated_plane};
-use crate::act::Act;
-use crate::action::entry::Contour;
-use crate::state::corner::{Asked, Corner, Side};
+use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove, compensated_plane};
+use crate::act::ActionContext;
+use crate::action::entry::CompensationEffect;
+use crate::state::corner::{ContourRequest, CornerDirection, CornerRequest};
 use crate::state::modal::group;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::ident::{codes, data};
 
 /// Moves of the plane wait from here on, where compensation does not make them wait; whether there is a plane.
-pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
+pub(super) fn take_part(act: &mut ActionContext<'_, '_>) -> bool {
     if act.channel().state.place.is_compensated() {
         return true;
     }
@@ -28,20 +28,20 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         act.diagnose(&diag::CORNER_REFUSED, text);
         return false;
     };
-    let new = Cutter {
+    let new = CutterCompensation {
         side: 0.0,
         radius: 0.0,
         tip: [0.0; 2],
         axes,
         contour: act.channel().state.place.position,
-        stage: Stage::On,
+        stage: CompensationStage::On,
         waiting: Vec::new(),
         idle: 0,
         seen: act.channel().at.blocks,
         ended: act.channel().at.line,
         suspended: false,
         plain: true,
-        asked: Asked::default(),
+        asked: ContourRequest::default(),
         smooth: None,
         resized: None,
     };
@@ -51,19 +51,19 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
 
 /// Effect of an action on corners: moves along the contour may wait, also while a spindle that only this channel uses
 /// is commanded; any other action ends the waiting.
-pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+pub(super) fn follow(act: &mut ActionContext<'_, '_>, contour: CompensationEffect) -> Acted {
     let rounds = act.channel().state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     let shared = act.channel().state.spindle.shared;
     if let Some(cutter) = act.channel_mut().state.place.cutter().filter(|cutter| cutter.plain) {
         let axes = cutter.axes;
         let stays = match contour {
-            Contour::Waits => true,
-            Contour::Follows => {
+            CompensationEffect::Waits => true,
+            CompensationEffect::Follows => {
                 !act.channel().block.flags.machine_frame
                     && compensated_plane(act).is_some_and(|(_, active)| active == axes)
             }
-            Contour::Commands => !shared,
-            Contour::Leaves | Contour::Ends => false,
+            CompensationEffect::Commands => !shared,
+            CompensationEffect::Leaves | CompensationEffect::Ends => false,
         };
         if !stays {
             act.flush_lookahead()?;
@@ -80,7 +80,7 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
         }
     }
     if rounds
-        && contour == Contour::Follows
+        && contour == CompensationEffect::Follows
         && !act.channel().state.place.is_compensated()
         && !act.channel().block.flags.machine_frame
     {
@@ -90,7 +90,7 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
 }
 
 /// Ends the waiting: without compensation and modal rounding, moves are plain again.
-pub(super) fn end(act: &mut Act<'_, '_>) {
+pub(super) fn end(act: &mut ActionContext<'_, '_>) {
     let rounds = act.channel().state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     if !rounds
         && act
@@ -105,27 +105,27 @@ pub(super) fn end(act: &mut Act<'_, '_>) {
 }
 
 /// The corner at the end of a move: its own, or the modal one.
-fn corner_at_end(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
+fn corner_at_end(act: &mut ActionContext<'_, '_>, rapid: bool) -> Option<CornerRequest> {
     let asked =
         act.channel_mut().state.place.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
     let rounding = act.channel().state.place.frames.as_deref().and_then(|frames| frames.rounding);
     let modal = act.channel().state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
     let feed = asked.feed.or(modal);
-    let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
+    let all = rounding.map(|radius| CornerRequest { cut: CornerBlend::Round(radius), side: None, feed, modal: true });
     asked
         .corner
         .or_else(|| all.filter(|_| !rapid && act.channel().state.modal.code(group::MOTION) != Some(codes::RAPID)))
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Puts corners between the moves that wait and between the last of them and a new one, which becomes shorter.
-    pub(super) fn cut_corners(&mut self, step: &Step, element: &mut Element) -> Acted {
+    pub(super) fn cut_corners(&mut self, step: &ProgrammedMove, element: &mut Element) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().filter(|cutter| cutter.is_due()) else {
             return Ok(());
         };
         let waiting = std::mem::take(&mut cutter.waiting);
-        let mut made: Vec<Waiting> = Vec::with_capacity(waiting.len() + 2);
-        let mut due: Option<(usize, Corner)> = None;
+        let mut made: Vec<WaitingMove> = Vec::with_capacity(waiting.len() + 2);
+        let mut due: Option<(usize, CornerRequest)> = None;
         for mut next in waiting {
             if let Some(second) = &mut next.element
                 && let Some((at, corner)) = due.take()
@@ -147,7 +147,12 @@ impl Act<'_, '_> {
     }
 
     /// Puts a corner after a move that waits.
-    fn cut_corner(&mut self, made: &mut Vec<Waiting>, (at, corner): (usize, Corner), next: (&Step, &mut Element)) {
+    fn cut_corner(
+        &mut self,
+        made: &mut Vec<WaitingMove>,
+        (at, corner): (usize, CornerRequest),
+        next: (&ProgrammedMove, &mut Element),
+    ) {
         let Some(before) = made.get_mut(at) else { return };
         let Some(mut first) = before.element else { return };
         let Some(between) = self.corner_element(corner, (&before.step, &mut first), next) else { return };
@@ -158,26 +163,26 @@ impl Act<'_, '_> {
         }
         step.feed = corner.feed.or(step.feed);
         step.shape = match (between.arc, self.channel_mut().state.place.cutter()) {
-            (Some(made), Some(cutter)) => Shape::Circle { made, axes: cutter.axes, turns: 0 },
-            _ if matches!(step.shape, Shape::Rapid) => Shape::Rapid,
-            _ => Shape::Linear,
+            (Some(made), Some(cutter)) => MoveShape::Circle { made, axes: cutter.axes, turns: 0 },
+            _ if matches!(step.shape, MoveShape::Rapid) => MoveShape::Rapid,
+            _ => MoveShape::Linear,
         };
         // A corner may take the whole move.
         before.element = Some(first).filter(|first| first.length() >= NOISE);
-        let after = Waiting { step, element: Some(between), ..before.clone() };
+        let after = WaitingMove { step, element: Some(between), ..before.clone() };
         made.insert(at + 1, after);
     }
 
     /// The element of a corner; none if there is no corner or it cannot be made, which is reported.
     fn corner_element(
         &mut self,
-        corner: Corner,
-        (before, first): (&Step, &mut Element),
-        (after, second): (&Step, &mut Element),
+        corner: CornerRequest,
+        (before, first): (&ProgrammedMove, &mut Element),
+        (after, second): (&ProgrammedMove, &mut Element),
     ) -> Option<Element> {
         let rules = self.channel().env.machine.corners;
         let block = self.channel().block_text();
-        if matches!(after.shape, Shape::Rapid) && !rules.rapid {
+        if matches!(after.shape, MoveShape::Rapid) && !rules.rapid {
             if !corner.modal {
                 let text = format!("the corner before '{block}' needs a move at feed after it");
                 self.diagnose(&diag::CORNER_NEXT, text);
@@ -214,13 +219,13 @@ impl Act<'_, '_> {
     /// A corner with a direction is between lines parallel to axes, and the second one goes in that direction.
     fn check_side(
         &mut self,
-        side: Side,
-        (before, first): (&Step, &Element),
-        (after, second): (&Step, &Element),
+        side: CornerDirection,
+        (before, first): (&ProgrammedMove, &Element),
+        (after, second): (&ProgrammedMove, &Element),
     ) -> Option<()> {
         let axes = self.channel_mut().state.place.cutter().map(|cutter| cutter.axes)?;
         let block = self.channel().block_text();
-        let round = |step: &Step| matches!(step.shape, Shape::Circle { .. });
+        let round = |step: &ProgrammedMove| matches!(step.shape, MoveShape::Circle { .. });
         if round(before) || round(after) {
             let text = format!("the corner before '{block}' is between straight moves only");
             self.diagnose(&diag::CORNER_NEXT, text);
@@ -243,12 +248,12 @@ impl Act<'_, '_> {
     }
 
     /// The corner at the end of the move of this block.
-    pub(super) fn corner_of(&mut self, step: &Step) -> Option<Corner> {
-        corner_at_end(self, matches!(step.shape, Shape::Rapid))
+    pub(super) fn corner_of(&mut self, step: &ProgrammedMove) -> Option<CornerRequest> {
+        corner_at_end(self, matches!(step.shape, MoveShape::Rapid))
     }
 
     /// A move without a corner at its end, where only corners make moves wait.
-    pub(super) fn without_waiting(&mut self, step: &Step, element: &Element) -> Acted {
+    pub(super) fn without_waiting(&mut self, step: &ProgrammedMove, element: &Element) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let cutter = cutter.clone();
@@ -258,7 +263,7 @@ impl Act<'_, '_> {
     }
 
     /// A move that the corner before it has taken whole: its direction is that of the corner's end.
-    pub(super) fn used_up(&mut self, step: Step, element: &Element) -> Acted {
+    pub(super) fn used_up(&mut self, step: ProgrammedMove, element: &Element) -> Acted {
         let along = self.channel_mut().state.place.cutter().and_then(|cutter| {
             let last = cutter.waiting.iter().rev().find_map(|waiting| waiting.element)?;
             Some(last.end())
@@ -274,14 +279,18 @@ impl Act<'_, '_> {
         let ended = self.channel().at.line;
         if let Some(cutter) = self.channel_mut().state.place.cutter() {
             (cutter.contour, cutter.ended) = (step.to, ended);
-            cutter.stage = if cutter.plain { Stage::On } else { Stage::Settled { corner: element.to, along } };
+            cutter.stage = if cutter.plain {
+                CompensationStage::On
+            } else {
+                CompensationStage::Settled { corner: element.to, along }
+            };
         }
         end(self);
         self.channel().check_stop()
     }
 
     /// The part that is missing after a move without a next one: a move after its corner, or its own end.
-    pub(super) fn missing(&self, waits: &Waiting) -> Option<(&'static Facts, String)> {
+    pub(super) fn missing(&self, waits: &WaitingMove) -> Option<(&'static DiagnosticFacts, String)> {
         let block = self.channel().block_text();
         if waits.open.is_some() {
             let text = format!("the line of '{block}' has no end: no line with an end and an angle follows");

@@ -4,8 +4,8 @@
 //! the move has been made, all events held back are shifted by its time. *Invariant:* none of them comes before the last
 //! microstep of the move, even if the move took no time because an alarm ended it.
 
-use crate::act::Act;
-use crate::state::cutter::Waiting;
+use crate::act::ActionContext;
+use crate::state::cutter::WaitingMove;
 use counterpoint_event::event::Event;
 
 /// Shift of the effects that are held back behind the moves made so far.
@@ -32,12 +32,12 @@ impl HeldShift {
 }
 
 /// Releases all held events at their times, without the move before them.
-pub(super) fn release_held(act: &mut Act<'_, '_>) {
+pub(super) fn release_held(act: &mut ActionContext<'_, '_>) {
     let mut events = act.channel_mut().emitter.release().into_iter();
     act.put_back_events(&mut events, usize::MAX, HeldShift::default());
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Releases held events up to (not including) the event with this number.
     pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, shift: HeldShift) {
         for mut event in events.by_ref().take(count) {
@@ -47,7 +47,7 @@ impl Act<'_, '_> {
     }
 
     /// Goes to the time and block of a waiting move.
-    pub(super) fn go_to(&mut self, waiting: &Waiting, shift: HeldShift) {
+    pub(super) fn go_to(&mut self, waiting: &WaitingMove, shift: HeldShift) {
         let at = &mut self.channel_mut().at;
         (at.clock, at.micro) = shift.of((waiting.clock, waiting.micro));
         self.channel_mut().at.go_to(waiting.place);

@@ -2,12 +2,12 @@
 //!
 //! Invariant: the tool stays on the side of the contour given by the program, in any frame.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::modal::{group, plane};
 
 /// Whether the local frame shows the active plane from behind: left in the program is then right of the path of the
 /// tool.
-pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
+pub(in crate::action) fn is_mirrored(act: &ActionContext<'_, '_>) -> bool {
     let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
     let values = act.channel().state.place.frame_values();
     let turned = |role: usize| {
@@ -18,7 +18,7 @@ pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
 }
 
 /// The local frame has changed: compensation that is active changes its side with it.
-pub(in crate::action) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
+pub(in crate::action) fn frame_changed(act: &mut ActionContext<'_, '_>, was_mirrored: bool) {
     if is_mirrored(act) != was_mirrored
         && let Some(cutter) = act.channel_mut().state.place.cutter()
     {

@@ -12,6 +12,7 @@ mod corner;
 mod held;
 pub(super) mod mirror;
 mod moves;
+mod nose;
 mod resized;
 pub(super) mod smooth;
 mod wall;
@@ -27,32 +28,18 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use crate::act::Act;
-use crate::state::channel::Channel;
-use crate::state::corner::{Asked, Corner};
-use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
+use crate::act::ActionContext;
+use crate::state::channel::ChannelContext;
+use crate::state::corner::{ContourRequest, CornerRequest};
+use crate::state::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
 use crate::state::modal::{group, plane};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 /// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;
 
-/// Imaginary tips: from the tip to the centre of the nose, along Z and X.
-const TIPS: [[f64; 2]; 10] = [
-    [0.0, 0.0],
-    [-1.0, -1.0],
-    [1.0, -1.0],
-    [1.0, 1.0],
-    [-1.0, 1.0],
-    [-1.0, 0.0],
-    [0.0, -1.0],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [0.0, 0.0],
-];
-
 /// A code that switches compensation: the next moves go beside the contour, or on it again.
-pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
+pub(super) fn switched(act: &mut ActionContext<'_, '_>, code: CodeId) -> Acted {
     if code == codes::COMP_DIAM_OFF {
         wall::at_wall(act)?;
     }
@@ -100,21 +87,21 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     let contour = act.channel().state.place.contour();
     let side = if mirror::is_mirrored(act) { -side } else { side };
     let before = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain);
-    let kept = before.map(|_| Stage::Turned);
-    let new = Cutter {
+    let kept = before.map(|_| CompensationStage::Turned);
+    let new = CutterCompensation {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
         tip: tip.map(|part| part * radius.abs()),
         axes,
         contour,
-        stage: kept.unwrap_or(Stage::Start),
+        stage: kept.unwrap_or(CompensationStage::Start),
         waiting: Vec::new(),
         idle: 0,
         seen: act.channel().at.blocks,
         ended: act.channel().at.line,
         suspended: false,
         plain: false,
-        asked: Asked::default(),
+        asked: ContourRequest::default(),
         smooth: None,
         resized: None,
     };
@@ -123,18 +110,20 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 }
 
 /// The next move in the plane ends compensation.
-fn leave(act: &mut Act<'_, '_>) {
+fn leave(act: &mut ActionContext<'_, '_>) {
     if let Some(cutter) = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.plain) {
         cutter.stage = match cutter.stage {
-            Stage::Settled { corner, along } | Stage::Around { corner, along } => Stage::Ending(Some((corner, along))),
-            Stage::Ending(known) => Stage::Ending(known),
-            _ => Stage::Ending(None),
+            CompensationStage::Settled { corner, along } | CompensationStage::Around { corner, along } => {
+                CompensationStage::Ending(Some((corner, along)))
+            }
+            CompensationStage::Ending(known) => CompensationStage::Ending(known),
+            _ => CompensationStage::Ending(None),
         };
     }
 }
 
 /// A cycle goes beside its contour with the nose of the tool, or on it again; without a radius it is the same.
-pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
+pub(super) fn beside(act: &mut ActionContext<'_, '_>, side: Option<f64>) -> Acted {
     let code = match side {
         None => codes::COMP_DIAM_OFF,
         Some(side) if side > 0.0 => codes::COMP_DIAM_LEFT,
@@ -152,7 +141,7 @@ pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
 }
 
 /// Allowance of the contour: that of the block, or the last one.
-fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
+fn contour_allowance(act: &mut ActionContext<'_, '_>) -> f64 {
     if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
         act.channel_mut().state.remembered.remember(data::CONTOUR_ALLOWANCE, value);
     }
@@ -160,7 +149,7 @@ fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
 }
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
-fn no_radius(act: &mut Act<'_, '_>, number: u32) {
+fn no_radius(act: &mut ActionContext<'_, '_>, number: u32) {
     let block = act.channel().block_text();
     if act.channel().env.machine.compensation.needs_tool && act.channel().state.place.tools.current == 0 {
         let text = format!("the compensation of '{block}' needs a tool; no tool is loaded");
@@ -176,7 +165,7 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
 }
 
 /// The active plane and its axes; under polar and cylindrical interpolation that of the part.
-fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
+fn compensated_plane(act: &ActionContext<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
     if let Some(polar) = act.channel().state.place.polar() {
         return Some((codes::PLANE_XY, polar.axes()));
     }
@@ -187,12 +176,12 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
 }
 
 /// Polar or cylindrical interpolation has been switched: another plane, in which compensation begins again.
-pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
+pub(super) fn plane_changed(act: &mut ActionContext<'_, '_>) {
     let number = act.channel().diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
     let Some(cutter) = act.channel_mut().state.place.cutter() else { return };
     if !cutter.stage.is_ending() {
-        cutter.stage = Stage::Start;
+        cutter.stage = CompensationStage::Start;
     }
     let text = match made {
         Some((axes, tip)) => {
@@ -216,48 +205,27 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
 }
 
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
-pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
+pub(super) fn to_contour(act: &mut ActionContext<'_, '_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
     let to = act.channel().state.place.contour();
     if !act.channel().state.place.is_compensated() || to == act.channel().state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
-    let shape = if feed.0.is_some() { Shape::Linear } else { Shape::Rapid };
-    act.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
+    let shape = if feed.0.is_some() { MoveShape::Linear } else { MoveShape::Rapid };
+    act.straight(&ProgrammedMove { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
 /// Called after a thread, which goes without compensation: the next moves approach the contour again.
-pub(super) fn after_thread(act: &mut Act<'_, '_>) {
+pub(super) fn after_thread(act: &mut ActionContext<'_, '_>) {
     let position = act.channel().state.place.position;
     if let Some(cutter) = act.channel_mut().state.place.cutter() {
-        (cutter.contour, cutter.stage) = (position, Stage::Start);
+        (cutter.contour, cutter.stage) = (position, CompensationStage::Start);
     }
 }
 
-impl Act<'_, '_> {
-    /// Radius that paths keep from the contour.
-    pub(in crate::action) fn cutter_radius(&self, number: u32) -> f64 {
-        use crate::state::frames::offsets::{BASE, Radii};
-        let channel = self.channel();
-        let own = if number == BASE { 0.0 } else { channel.worn_radius(number) };
-        let base = if channel.state.place.offsets.is_some() { channel.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
-        own + base
-    }
-
-    /// From the imaginary tip to the centre of the nose, in the plane.
-    pub(in crate::action) fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
-        let channel = self.channel();
-        let layout = &channel.state.place.layout;
-        let across = layout.cartesian.first().copied().flatten();
-        let turns = across.is_some_and(|axis| channel.env.machine.axes[layout.axes[axis].machine].diameter);
-        if !(turns || channel.is_turning()) || plane != codes::PLANE_ZX {
-            return [0.0; 2];
-        }
-        TIPS.get(usize::from(channel.offset_tip(number))).copied().unwrap_or_default()
-    }
-
+impl ActionContext<'_, '_> {
     /// Takes a move: it may wait for the next one.
-    pub(super) fn compensate(&mut self, step: Step) -> Acted {
+    pub(super) fn compensate(&mut self, step: ProgrammedMove) -> Acted {
         let last = self.last_move(&step);
         let done = self.take_step(step);
         self.channel_mut().state.arcs.last = last;
@@ -265,9 +233,9 @@ impl Act<'_, '_> {
     }
 
     /// Makes or keeps back a move.
-    fn take_step(&mut self, step: Step) -> Acted {
+    fn take_step(&mut self, step: ProgrammedMove) -> Acted {
         self.channel().check_stop()?;
-        if !matches!(step.shape, Shape::Rapid) {
+        if !matches!(step.shape, MoveShape::Rapid) {
             self.check_feed(step.feed)?;
         }
         if self.channel().state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
@@ -291,17 +259,17 @@ impl Act<'_, '_> {
             return Ok(());
         }
         if cutter.suspended {
-            cutter.stage = Stage::Start;
+            cutter.stage = CompensationStage::Start;
             cutter.contour = step.to;
             return self.on_contour(&step);
         }
         let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
         self.channel().check_stop()?;
-        let rapid = matches!(step.shape, Shape::Rapid);
-        let round = matches!(step.shape, Shape::Circle { .. });
+        let rapid = matches!(step.shape, MoveShape::Rapid);
+        let round = matches!(step.shape, MoveShape::Circle { .. });
         let rules = self.channel().env.machine.compensation;
         match stage {
-            Stage::Ending(end) => {
+            CompensationStage::Ending(end) => {
                 self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
                 self.corner_at_switch("off");
                 self.channel().check_stop()?;
@@ -309,13 +277,17 @@ impl Act<'_, '_> {
                 self.channel_mut().state.place.forget_cutter();
                 return self.on_contour(&step);
             }
-            Stage::Start if first => {
+            CompensationStage::Start if first => {
                 self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs));
                 if self.channel().env.machine.is_alarm(&diag::CORNER_AT_COMPENSATION) {
                     self.corner_at_switch("on");
                 }
             }
-            Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } | Stage::Around { .. } => {}
+            CompensationStage::Start
+            | CompensationStage::On
+            | CompensationStage::Turned
+            | CompensationStage::Settled { .. }
+            | CompensationStage::Around { .. } => {}
         }
         self.channel().check_stop()?;
         let mut element = element;
@@ -335,7 +307,7 @@ impl Act<'_, '_> {
     }
 
     /// Compensation is switched by a move that the machine does not take for it.
-    fn report_switch(&mut self, step: &Step, what: &str, (rapid, round): (bool, bool)) {
+    fn report_switch(&mut self, step: &ProgrammedMove, what: &str, (rapid, round): (bool, bool)) {
         let on = what == "on";
         let (facts, kind) = match (rapid, round, step.shape) {
             (true, ..) if on => (&diag::COMP_ON_RAPID, "a rapid move"),
@@ -349,13 +321,13 @@ impl Act<'_, '_> {
     }
 
     /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
-    fn element(&mut self, step: &Step, from: &Position, axes: [AxisSlot; 2]) -> Option<Element> {
+    fn element(&mut self, step: &ProgrammedMove, from: &Position, axes: [AxisSlot; 2]) -> Option<Element> {
         let [start, end] = [from, &step.to].map(|of| self.plane_spot(of, axes));
         match step.shape {
-            Shape::Circle { made, axes: own, .. } if own == axes => {
+            MoveShape::Circle { made, axes: own, .. } if own == axes => {
                 Some(Element { from: start, to: end, arc: Some(made) })
             }
-            Shape::Circle { .. } => {
+            MoveShape::Circle { .. } => {
                 let text = format!(
                     "the circle of '{}' is in another plane than its compensation",
                     self.channel().block_text()
@@ -368,7 +340,7 @@ impl Act<'_, '_> {
     }
 
     /// A move beside the plane: with a move that waits it waits too.
-    fn out_of_plane(&mut self, step: Step) -> Acted {
+    fn out_of_plane(&mut self, step: ProgrammedMove) -> Acted {
         let stands = self.channel().state.place.position;
         let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         let due = cutter.is_due();
@@ -390,7 +362,7 @@ impl Act<'_, '_> {
     }
 
     /// The vector form: every straight move ends beside its point, in the direction of the vector.
-    fn along_vector(&mut self, step: Step) -> Acted {
+    fn along_vector(&mut self, step: ProgrammedMove) -> Acted {
         let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
         let vector = &mut self.channel_mut().state.place.compensation.vector;
         for (slot, word) in vector.iter_mut().zip(words) {
@@ -454,14 +426,14 @@ impl Act<'_, '_> {
     /// Finishes a move that has waited too long, or before a hole one with a corner at its end.
     pub(crate) fn flush_due(&mut self, hole: bool) -> Acted {
         let now = self.channel().at.blocks;
-        let is_due = |waits: &Waiting| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
+        let is_due = |waits: &WaitingMove| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
         let is_due = self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
         if is_due { self.flush_lookahead() } else { Ok(()) }
     }
 
     /// Keeps a move back, and all later events.
-    fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
-        let Channel { at, block: now, text, .. } = self.channel();
+    fn wait(&mut self, step: ProgrammedMove, element: Option<Element>, corner: Option<CornerRequest>) {
+        let ChannelContext { at, block: now, text, .. } = self.channel();
         let (place, block, clock, micro) = (at.block_place(), at.blocks, at.clock, at.micro);
         let (exact, end, text) = (now.flags.exact_stop, now.flags.end, text.edited.clone());
         let open = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.open.take());
@@ -477,7 +449,7 @@ impl Act<'_, '_> {
         if first {
             cutter.idle = 0;
         }
-        cutter.waiting.push(Waiting {
+        cutter.waiting.push(WaitingMove {
             step,
             element,
             corner,

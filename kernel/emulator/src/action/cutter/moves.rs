@@ -5,27 +5,27 @@
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 use std::f64::consts::TAU;
 
 use super::held::HeldShift;
-use super::{Cutter, Shape, Step};
-use crate::act::Act;
-use crate::action::arc::Circle;
+use super::{CutterCompensation, MoveShape, ProgrammedMove};
+use crate::act::ActionContext;
+use crate::action::arc::CircularMove;
 use crate::state::arc::LastMove;
-use crate::state::cutter::{Stage, Waiting};
+use crate::state::cutter::{CompensationStage, WaitingMove};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::model::CornerShape;
-use counterpoint_motion::contour::corner::{self, Corner, Link, Offset};
+use counterpoint_motion::contour::corner::{self, CornerPath, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, beside, distance, plus};
 use counterpoint_program::block::ContourEnd;
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// A move as programmed, for circles that continue its direction.
-    pub(super) fn last_move(&self, step: &Step) -> Option<LastMove> {
-        let Shape::Circle { made, axes, .. } = step.shape else {
+    pub(super) fn last_move(&self, step: &ProgrammedMove) -> Option<LastMove> {
+        let MoveShape::Circle { made, axes, .. } = step.shape else {
             let mut by = step.to;
             by.iter_mut().zip(self.channel().state.place.contour()).for_each(|(to, from)| *to -= from);
             return Some(LastMove::By(by));
@@ -51,13 +51,13 @@ impl Act<'_, '_> {
     }
 
     /// Where the tool's centre is in the plane.
-    pub(super) fn spot_of(&self, cutter: &Cutter) -> Spot {
+    pub(super) fn spot_of(&self, cutter: &CutterCompensation) -> Spot {
         plus(self.plane_spot(&self.channel().state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
     /// The position that puts the tool's centre on a point straight from where it is, the other axes where `to` has
     /// them.
-    pub(super) fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
+    pub(super) fn position_at(&self, cutter: &CutterCompensation, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
         if let Some(polar) = self.channel().state.place.polar() {
             polar.reach_straight(&self.channel().state.place, &mut position, spot);
@@ -71,7 +71,13 @@ impl Act<'_, '_> {
     }
 
     /// The same along an arc of the tool's centre.
-    pub(super) fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
+    pub(super) fn position_round(
+        &self,
+        cutter: &CutterCompensation,
+        to: &Position,
+        spot: Spot,
+        made: &PlaneArc,
+    ) -> Position {
         let mut position = self.position_at(cutter, to, spot);
         if let Some(polar) = self.channel().state.place.polar() {
             polar.reach(&self.channel().state.place, &mut position, spot, crate::action::polar::way_round(made));
@@ -79,7 +85,7 @@ impl Act<'_, '_> {
         position
     }
 
-    pub(super) fn offset(&self, cutter: &Cutter) -> Offset {
+    pub(super) fn offset(&self, cutter: &CutterCompensation) -> Offset {
         let limit = libm::cos(self.channel().env.machine.compensation.corner_angle.to_radians());
         let shape = self.channel().env.machine.compensation.corner_shape.map(|shape| self.shape(shape));
         Offset {
@@ -101,22 +107,22 @@ impl Act<'_, '_> {
     }
 
     /// Limits of outside corners, with the distortion that the program has set.
-    fn shape(&self, limits: CornerShape) -> corner::Shape {
+    fn shape(&self, limits: CornerShape) -> corner::CornerThresholds {
         let asked = self.channel().state.remembered.value(data::CONTOUR_DISTORTION).unwrap_or(0.0);
         let [sharp, flat] = [limits.sharp, limits.flat].map(|turn| libm::cos(turn.to_radians()));
-        corner::Shape { sharp, flat, distortion: asked.clamp(0.0, limits.distortion) / 100.0 }
+        corner::CornerThresholds { sharp, flat, distortion: asked.clamp(0.0, limits.distortion) / 100.0 }
     }
 
     /// A move that goes where it says, without compensation.
-    pub(super) fn on_contour(&mut self, step: &Step) -> Acted {
+    pub(super) fn on_contour(&mut self, step: &ProgrammedMove) -> Acted {
         self.straight(step, step.to)
     }
 
     /// A straight move of a step to a point.
-    pub(super) fn straight(&mut self, step: &Step, to: Position) -> Acted {
+    pub(super) fn straight(&mut self, step: &ProgrammedMove, to: Position) -> Acted {
         self.without_cutter(|act| match step.shape {
-            Shape::Rapid => act.rapid_within(step.coded, to, step.feed),
-            Shape::Linear | Shape::Circle { .. } => act.feed_to(step.coded, to, step.feed, step.unit),
+            MoveShape::Rapid => act.rapid_within(step.coded, to, step.feed),
+            MoveShape::Linear | MoveShape::Circle { .. } => act.feed_to(step.coded, to, step.feed, step.unit),
         })
     }
 
@@ -131,18 +137,18 @@ impl Act<'_, '_> {
     }
 
     /// Where a piece begins after one that did not know it: around the corner, or straight.
-    pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
+    pub(super) fn come_to(&mut self, step: &ProgrammedMove, element: &Element) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let offset = self.offset(&cutter);
         let links = match cutter.stage {
-            Stage::Start => {
-                if matches!(step.shape, Shape::Circle { .. }) {
+            CompensationStage::Start => {
+                if matches!(step.shape, MoveShape::Circle { .. }) {
                     vec![Link::Line(offset.at_start(element))]
                 } else {
                     return Ok(());
                 }
             }
-            Stage::Settled { corner, along } => {
+            CompensationStage::Settled { corner, along } => {
                 let start = offset.at_start(element);
                 let turn = counterpoint_motion::contour::element::cross(along, element.start()) * cutter.side;
                 if distance(self.spot_of(&cutter), start) < NOISE {
@@ -154,12 +160,14 @@ impl Act<'_, '_> {
                     offset.outside(corner, along, element)
                 }
             }
-            Stage::Around { corner, along } => Offset { corner: 2, ..offset }.outside(corner, along, element),
-            Stage::Turned => vec![Link::Line(offset.at_start(element))],
-            Stage::On | Stage::Ending(_) => return Ok(()),
+            CompensationStage::Around { corner, along } => {
+                Offset { corner: 2, ..offset }.outside(corner, along, element)
+            }
+            CompensationStage::Turned => vec![Link::Line(offset.at_start(element))],
+            CompensationStage::On | CompensationStage::Ending(_) => return Ok(()),
         };
         if let Some(cutter) = self.channel_mut().state.place.cutter() {
-            cutter.stage = Stage::On;
+            cutter.stage = CompensationStage::On;
         }
         self.links((step, element), &cutter, &links, self.channel().state.place.position)
     }
@@ -190,8 +198,8 @@ impl Act<'_, '_> {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
                 begun = match self.channel_mut().state.place.cutter().map(|cutter| cutter.stage) {
-                    Some(stage @ Stage::Around { .. }) => stage,
-                    _ if waits.element.is_some() || waits.smooth.is_some() => Stage::On,
+                    Some(stage @ CompensationStage::Around { .. }) => stage,
+                    _ if waits.element.is_some() || waits.smooth.is_some() => CompensationStage::On,
                     _ => begun,
                 };
             }
@@ -212,7 +220,7 @@ impl Act<'_, '_> {
     }
 
     /// Makes a move that has waited.
-    fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
+    fn make(&mut self, waits: &WaitingMove, begun: CompensationStage, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         if let Some(smooth) = &waits.smooth {
             return self.smooth_approach(waits, smooth, next);
@@ -222,18 +230,18 @@ impl Act<'_, '_> {
             let to = cutter.lifted(&step.to, &self.channel().state.place.position);
             return self.straight(step, to);
         };
-        if matches!(begun, Stage::Around { .. }) {
+        if matches!(begun, CompensationStage::Around { .. }) {
             self.come_to(step, element)?;
         }
         let stage = match next {
-            Some(_) => Stage::On,
-            None => Stage::Settled { corner: element.to, along: element.end() },
+            Some(_) => CompensationStage::On,
+            None => CompensationStage::Settled { corner: element.to, along: element.end() },
         };
         let ended = self.channel().at.line;
         if let Some(cutter) = self.channel_mut().state.place.cutter() {
             (cutter.stage, cutter.ended) = (stage, ended);
         }
-        if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
+        if begun == CompensationStage::Start && !matches!(step.shape, MoveShape::Circle { .. }) {
             if let Some(next) = next
                 && let Some(corner) = self.around_start(element, next)?
             {
@@ -256,17 +264,17 @@ impl Act<'_, '_> {
         let corner = match next {
             Some(next) if self.circle_follows(waits, &offset, (element, next)) => {
                 if let Some(cutter) = self.channel_mut().state.place.cutter() {
-                    cutter.stage = Stage::Around { corner: element.to, along: element.end() };
+                    cutter.stage = CompensationStage::Around { corner: element.to, along: element.end() };
                 }
                 let hurts = element.is_smaller(cutter.side, cutter.radius);
-                Corner { end: offset.at_end(element), links: Vec::new(), hurts }
+                CornerPath { end: offset.at_end(element), links: Vec::new(), hurts }
             }
             Some(next) if let ContourEnd::Beside(along) = waits.end => {
                 let links = arc_start(waits.end, &offset, next).into_iter().collect();
-                Corner { end: beside(element.to, along, cutter.side, cutter.radius), links, hurts: false }
+                CornerPath { end: beside(element.to, along, cutter.side, cutter.radius), links, hurts: false }
             }
             Some(next) if waits.end == ContourEnd::Open => {
-                Corner { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
+                CornerPath { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
             }
             Some(next) if let ContourEnd::Extended(by) = waits.end => offset.extended(element, next, here, by),
             Some(next) if waits.end == ContourEnd::Round => Offset { corner: 2, ..offset }.between(element, next, here),
@@ -274,7 +282,7 @@ impl Act<'_, '_> {
             Some(next) => offset.between(element, next, here),
             None => {
                 let hurts = element.is_smaller(cutter.side, cutter.radius);
-                Corner { end: offset.at_end(element), links: Vec::new(), hurts }
+                CornerPath { end: offset.at_end(element), links: Vec::new(), hurts }
             }
         };
         if corner.hurts {
@@ -291,16 +299,22 @@ impl Act<'_, '_> {
     }
 
     /// Whether the circle around the end of a piece belongs to the move after it.
-    fn circle_follows(&self, waits: &Waiting, offset: &Offset, (first, second): (&Element, &Element)) -> bool {
+    fn circle_follows(&self, waits: &WaitingMove, offset: &Offset, (first, second): (&Element, &Element)) -> bool {
         self.channel().env.machine.compensation.corner_after
             && waits.end == ContourEnd::Meets
             && offset.goes_around(first, second)
     }
 
     /// Along the offset of a piece to a point of it.
-    pub(super) fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
+    pub(super) fn along(
+        &mut self,
+        step: &ProgrammedMove,
+        cutter: &CutterCompensation,
+        element: &Element,
+        end: Spot,
+    ) -> Acted {
         let to = self.position_at(cutter, &step.to, end);
-        let (Some(arc), Shape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {
+        let (Some(arc), MoveShape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {
             return self.straight(step, to);
         };
         let Some(radius) = element.offset_radius(cutter.side, cutter.radius) else { return self.straight(step, to) };
@@ -322,11 +336,12 @@ impl Act<'_, '_> {
         if way + whole < 1e-12 {
             return self.straight(step, to);
         }
-        let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
+        let made =
+            PlaneArc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
         let to = self.position_round(cutter, &step.to, end, &made);
-        let Step { coded, unit, .. } = *step;
+        let ProgrammedMove { coded, unit, .. } = *step;
         let feed = self.edge_feed(step.feed, unit, radius / arc.radius);
-        self.round(&Circle {
+        self.round(&CircularMove {
             made,
             coded,
             from: self.channel().state.place.position,
@@ -339,15 +354,15 @@ impl Act<'_, '_> {
         })
     }
 
-    pub(super) fn round(&mut self, circle: &Circle) -> Acted {
+    pub(super) fn round(&mut self, circle: &CircularMove) -> Acted {
         self.without_cutter(|act| act.circle_to(circle))
     }
 
     /// The moves around a corner, the axes beside the plane standing.
     pub(super) fn links(
         &mut self,
-        (step, element): (&Step, &Element),
-        cutter: &Cutter,
+        (step, element): (&ProgrammedMove, &Element),
+        cutter: &CutterCompensation,
         links: &[Link],
         level: Position,
     ) -> Acted {
@@ -364,7 +379,7 @@ impl Act<'_, '_> {
                     let (start_angle, radius) = (angle(center, here), distance(center, spot));
                     let sweep = ((angle(center, spot) - start_angle) * turn).rem_euclid(TAU) * turn;
                     let center = plus(center, cutter.tip, -1.0);
-                    let made = Arc { center, radius, start_angle, sweep };
+                    let made = PlaneArc { center, radius, start_angle, sweep };
                     let to = self.position_round(cutter, &level, spot, &made);
                     self.link(step, length, to, Some((made, cutter.axes)))?;
                 }
@@ -382,7 +397,13 @@ impl Act<'_, '_> {
 
     /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the
     /// contour.
-    fn link(&mut self, step: &Step, length: f64, to: Position, round: Option<(Arc, [AxisSlot; 2])>) -> Acted {
+    fn link(
+        &mut self,
+        step: &ProgrammedMove,
+        length: f64,
+        to: Position,
+        round: Option<(PlaneArc, [AxisSlot; 2])>,
+    ) -> Acted {
         let (feed, unit) = match step.unit {
             FeedUnit::InverseTime => (step.feed.map(|feed| feed * length), FeedUnit::PerMinute),
             unit => (step.feed, unit),
@@ -391,12 +412,12 @@ impl Act<'_, '_> {
             (Some((made, axes)), shape) => {
                 let from = self.channel().state.place.position;
                 let (feed, unit) = match shape {
-                    Shape::Rapid => (self.rapid_round(axes, feed), FeedUnit::PerMinute),
+                    MoveShape::Rapid => (self.rapid_round(axes, feed), FeedUnit::PerMinute),
                     _ => (feed, unit),
                 };
-                self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit, screw: None })
+                self.round(&CircularMove { made, coded: 0, from, to, axes, turns: 0, feed, unit, screw: None })
             }
-            _ => self.straight(&Step { feed, unit, ..step.clone() }, to),
+            _ => self.straight(&ProgrammedMove { feed, unit, ..step.clone() }, to),
         }
     }
 }

@@ -5,9 +5,9 @@
 //! of the old radius.
 
 use super::{before, compensated_plane, contour_allowance, no_radius, switched};
-use crate::act::Act;
-use crate::action::entry::Contour;
-use crate::state::cutter::{Stage, Step};
+use crate::act::ActionContext;
+use crate::action::entry::CompensationEffect;
+use crate::state::cutter::{CompensationStage, ProgrammedMove};
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -15,8 +15,8 @@ use counterpoint_motion::contour::corner::Link;
 use counterpoint_motion::contour::element::Element;
 
 /// The active number has changed while this code is active.
-pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
-    before(act, Contour::Waits, code)?;
+pub(in crate::action) fn resized(act: &mut ActionContext<'_, '_>, code: CodeId) -> Acted {
+    before(act, CompensationEffect::Waits, code)?;
     let number = act.channel().diameter_in_force().unwrap_or(0);
     let radius = act.cutter_radius(number) + contour_allowance(act);
     act.channel().check_stop()?;
@@ -24,8 +24,8 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     let tip = plane.map_or([0.0; 2], |plane| act.nose_tip(number, plane)).map(|part| part * radius);
     let begun = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(
         |cutter| {
-            !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
-                && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
+            !matches!(cutter.stage, CompensationStage::Ending(_) | CompensationStage::Turned)
+                && (cutter.stage != CompensationStage::Start || !cutter.waiting.is_empty())
         },
     );
     let cancels = number == 0 && act.channel().env.machine.compensation.zero_cancels;
@@ -41,7 +41,7 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     Ok(())
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Another number is active, with or without compensation.
     pub(in crate::action) fn resize_compensation(&mut self) -> Acted {
         match self.channel().state.modal.code(group::DIAMETER) {
@@ -52,7 +52,7 @@ impl Act<'_, '_> {
 
     /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its
     /// start.
-    pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
+    pub(super) fn resize(&mut self, step: &ProgrammedMove, element: &Element) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         let Some((radius, tip)) = cutter.resized.take() else { return Ok(()) };
         (cutter.radius, cutter.tip) = (radius, tip);

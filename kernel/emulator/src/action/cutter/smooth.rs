@@ -14,25 +14,31 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot as _};
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, cross, distance, plus};
 
-use super::{Cutter, Shape, Stage, Step, Waiting, corner};
-use crate::act::Act;
-use crate::action::arc::Circle;
-use crate::action::entry::{Contour, Entry};
+use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove, corner};
+use crate::act::ActionContext;
+use crate::action::arc::CircularMove;
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::arc::LastMove;
 use crate::state::modal::{feed_of, group, plane};
-use crate::state::smooth::{Form, Level, Lies, Smooth, Speed};
+use crate::state::smooth::{ApproachForm, ApproachSpeed, Lies, Smooth, ToolHeight};
 
 /// Codes with their actions.
-pub(in crate::action) const ENTRIES: &[Entry] = &[
-    Entry::of(&[codes::SMOOTH_LINE_IN], |act, _, _| asked(act, Form::Line, false)).contour(Contour::Waits),
-    Entry::of(&[codes::SMOOTH_QUARTER_IN], |act, _, _| asked(act, Form::Quarter, false)).contour(Contour::Waits),
-    Entry::of(&[codes::SMOOTH_HALF_IN], |act, _, _| asked(act, Form::Half, false)).contour(Contour::Waits),
-    Entry::of(&[codes::SMOOTH_LINE_OUT], |act, _, _| asked(act, Form::Line, true)).contour(Contour::Waits),
-    Entry::of(&[codes::SMOOTH_QUARTER_OUT], |act, _, _| asked(act, Form::Quarter, true)).contour(Contour::Waits),
-    Entry::of(&[codes::SMOOTH_HALF_OUT], |act, _, _| asked(act, Form::Half, true)).contour(Contour::Waits),
+pub(in crate::action) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::SMOOTH_LINE_IN], |act, _, _| asked(act, ApproachForm::Line, false))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::SMOOTH_QUARTER_IN], |act, _, _| asked(act, ApproachForm::Quarter, false))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::SMOOTH_HALF_IN], |act, _, _| asked(act, ApproachForm::Half, false))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::SMOOTH_LINE_OUT], |act, _, _| asked(act, ApproachForm::Line, true))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::SMOOTH_QUARTER_OUT], |act, _, _| asked(act, ApproachForm::Quarter, true))
+        .contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::SMOOTH_HALF_OUT], |act, _, _| asked(act, ApproachForm::Half, true))
+        .contour(CompensationEffect::Waits),
 ];
 
 /// Blocks without motion in the plane between the path and the contour (MD20202).
@@ -42,7 +48,7 @@ pub(super) const LOOKED_THROUGH: u32 = 5;
 const TOLERANCE: f64 = 0.01;
 
 /// A block asks for a path.
-fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
+fn asked(act: &mut ActionContext<'_, '_>, form: ApproachForm, leaves: bool) -> Acted {
     act.flush_lookahead()?;
     if !corner::take_part(act) {
         return act.channel().check_stop();
@@ -51,17 +57,17 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
     let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
     let own = if unit != FeedUnit::InverseTime && act.block_has(id) {
         let (feed, unit) = act.feed();
-        Some(Speed::Feed(feed, unit))
+        Some(ApproachSpeed::Feed(feed, unit))
     } else {
         None
     };
-    let feed = Speed::Feed(act.channel().state.remembered.value(id), unit);
+    let feed = ApproachSpeed::Feed(act.channel().state.remembered.value(id), unit);
     let slow = [
         (data::SMOOTH_FEED, unit),
         (data::SMOOTH_FEED_UPM, FeedUnit::PerMinute),
         (data::SMOOTH_FEED_UPR, FeedUnit::PerRevolution),
     ];
-    let slow = slow.map(|(id, unit)| act.take(id).map(|datum| Speed::Feed(Some(datum.value), unit)));
+    let slow = slow.map(|(id, unit)| act.take(id).map(|datum| ApproachSpeed::Feed(Some(datum.value), unit)));
     let level = level_of(act, [data::SMOOTH_LEVEL, data::SMOOTH_LEVEL_AT]);
     let retraction = level_of(act, [data::SMOOTH_RETRACTION, data::SMOOTH_RETRACTION_AT]);
     let lies = match act.channel().state.modal.code(LIES) {
@@ -101,27 +107,27 @@ const LIES: u16 = 146;
 const DEPTH: u16 = 147;
 
 /// Speed of the blocks before this one.
-fn speed_before(act: &Act<'_, '_>) -> Speed {
+fn speed_before(act: &ActionContext<'_, '_>) -> ApproachSpeed {
     if act.channel().state.modal.code(group::MOTION) == Some(codes::RAPID) {
-        return Speed::Rapid;
+        return ApproachSpeed::Rapid;
     }
     let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
     match act.channel().state.arcs.feed {
         // The block itself changes the type of the feed.
-        Some((feed, last)) if last != unit && last != FeedUnit::Rapid => Speed::Feed(Some(feed), last),
-        _ => Speed::Feed(act.channel().state.remembered.value(id), unit),
+        Some((feed, last)) if last != unit && last != FeedUnit::Rapid => ApproachSpeed::Feed(Some(feed), last),
+        _ => ApproachSpeed::Feed(act.channel().state.remembered.value(id), unit),
     }
 }
 
-fn level_of(act: &mut Act<'_, '_>, [above, at]: [DataId; 2]) -> Option<Level> {
-    let above = act.take(above).map(|datum| Level::Above(datum.value.abs()));
-    let at = act.take(at).map(|datum| Level::At(datum.value));
+fn level_of(act: &mut ActionContext<'_, '_>, [above, at]: [DataId; 2]) -> Option<ToolHeight> {
+    let above = act.take(above).map(|datum| ToolHeight::Above(datum.value.abs()));
+    let at = act.take(at).map(|datum| ToolHeight::At(datum.value));
     at.or(above)
 }
 
 /// Heights of a path along the tool: of the far end, of the end of the quick part, of the contour.
 #[derive(Debug, Clone, Copy)]
-struct Heights {
+struct ApproachHeights {
     axis: Option<AxisSlot>,
     far: f64,
     quick: f64,
@@ -137,7 +143,7 @@ struct Touch {
     circle: Option<(Spot, f64)>,
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Says why a path is not possible.
     pub(super) fn refuse_way(&mut self, why: &str, alarm: u32) -> Acted {
         let text = format!("'{}': {why} (alarm {alarm})", self.channel().block_text());
@@ -152,7 +158,9 @@ impl Act<'_, '_> {
         let cutter = self.channel_mut().state.place.cutter()?;
         let axes = cutter.axes;
         match cutter.stage {
-            Stage::Settled { along, .. } | Stage::Ending(Some((_, along))) => return Some(along),
+            CompensationStage::Settled { along, .. } | CompensationStage::Ending(Some((_, along))) => {
+                return Some(along);
+            }
             _ => {}
         }
         let way = match last? {
@@ -170,11 +178,11 @@ impl Act<'_, '_> {
     }
 
     /// Takes the move of a block while a path is requested.
-    pub(super) fn smooth_step(&mut self, step: Step, smooth: Box<Smooth>) -> Acted {
+    pub(super) fn smooth_step(&mut self, step: ProgrammedMove, smooth: Box<Smooth>) -> Acted {
         if smooth.leaves {
             return self.smooth_retract(Some(&step), &smooth);
         }
-        if matches!(step.shape, Shape::Circle { .. }) {
+        if matches!(step.shape, MoveShape::Circle { .. }) {
             return self.refuse_way("the move that gives the beginning of the contour is a circle", 10745);
         }
         let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
@@ -198,10 +206,10 @@ impl Act<'_, '_> {
     }
 
     /// A height as a coordinate.
-    fn height(&mut self, axis: AxisSlot, level: Level, (contour, up): (f64, f64)) -> f64 {
+    fn height(&mut self, axis: AxisSlot, level: ToolHeight, (contour, up): (f64, f64)) -> f64 {
         match level {
-            Level::Above(by) => contour + up * by,
-            Level::At(at) => {
+            ToolHeight::Above(by) => contour + up * by,
+            ToolHeight::At(at) => {
                 let mut point = self.channel().state.place.programmed();
                 *point.at_mut(axis) = at;
                 self.channel_mut().state.place.work_point(&point).at(axis)
@@ -210,9 +218,14 @@ impl Act<'_, '_> {
     }
 
     /// Heights of a path; `far` is that of its far end where it is known. None if it was refused.
-    fn heights(&mut self, smooth: &Smooth, contour: f64, far: Option<f64>) -> Result<Option<Heights>, diag::Halt> {
+    fn heights(
+        &mut self,
+        smooth: &Smooth,
+        contour: f64,
+        far: Option<f64>,
+    ) -> Result<Option<ApproachHeights>, diag::Halt> {
         let Some(axis) = self.axis_of_tool() else {
-            return Ok(Some(Heights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 }));
+            return Ok(Some(ApproachHeights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 }));
         };
         let up = if far.is_some_and(|far| far < contour) { -1.0 } else { 1.0 };
         let quick = smooth.level.map_or(contour, |level| self.height(axis, level, (contour, up)));
@@ -225,7 +238,7 @@ impl Act<'_, '_> {
             )?;
             return Ok(None);
         }
-        Ok(Some(Heights { axis: Some(axis), far, quick, contour }))
+        Ok(Some(ApproachHeights { axis: Some(axis), far, quick, contour }))
     }
 
     /// The line or circle at a point with a direction; `ahead` is 1 for the path from the contour, −1 for that to it.
@@ -233,7 +246,7 @@ impl Act<'_, '_> {
     fn touch(
         &mut self,
         smooth: &Smooth,
-        cutter: &Cutter,
+        cutter: &CutterCompensation,
         (at, heading): (Spot, Spot),
         (point, ahead): (Option<Spot>, f64),
     ) -> Result<Option<Touch>, diag::Halt> {
@@ -242,7 +255,7 @@ impl Act<'_, '_> {
             self.refuse_way("DISR is missing or not above 0", 10742)?;
             return Ok(None);
         }
-        if smooth.form == Form::Line {
+        if smooth.form == ApproachForm::Line {
             return Ok(Some(Touch { far: plus(at, heading, ahead * (size + cutter.radius)), circle: None }));
         }
         if size < cutter.radius - NOISE {
@@ -265,22 +278,24 @@ impl Act<'_, '_> {
         let across = [-heading[1] * side, heading[0] * side];
         let center = plus(at, across, size);
         let far = match smooth.form {
-            Form::Half => plus(at, across, 2.0 * size),
+            ApproachForm::Half => plus(at, across, 2.0 * size),
             _ => plus(center, heading, ahead * size),
         };
         Ok(Some(Touch { far, circle: Some((center, side)) }))
     }
 
     /// A straight part of a path.
-    fn part(&mut self, coded: u8, to: Position, speed: Speed) -> Acted {
+    fn part(&mut self, coded: u8, to: Position, speed: ApproachSpeed) -> Acted {
         if to == self.channel().state.place.position {
             return Ok(());
         }
         let step = match speed {
-            Speed::Rapid => Step { shape: Shape::Rapid, coded, to, feed: None, unit: FeedUnit::Rapid },
-            Speed::Feed(feed, unit) => {
+            ApproachSpeed::Rapid => {
+                ProgrammedMove { shape: MoveShape::Rapid, coded, to, feed: None, unit: FeedUnit::Rapid }
+            }
+            ApproachSpeed::Feed(feed, unit) => {
                 self.check_feed(feed)?;
-                Step { shape: Shape::Linear, coded, to, feed, unit }
+                ProgrammedMove { shape: MoveShape::Linear, coded, to, feed, unit }
             }
         };
         self.straight(&step, to)
@@ -289,22 +304,24 @@ impl Act<'_, '_> {
     /// The line or circle of a path, to a point at a height.
     fn curve(
         &mut self,
-        (coded, cutter, smooth): (u8, &Cutter, &Smooth),
+        (coded, cutter, smooth): (u8, &CutterCompensation, &Smooth),
         touch: &Touch,
         (level, to): (Position, Spot),
-        speed: Speed,
+        speed: ApproachSpeed,
     ) -> Acted {
         let Some((center, side)) = touch.circle else {
             let to = self.position_at(cutter, &level, to);
             return self.part(coded, to, speed);
         };
-        let ((Speed::Feed(feed, unit), _) | (Speed::Rapid, Speed::Feed(feed, unit))) = (speed, smooth.feed) else {
+        let ((ApproachSpeed::Feed(feed, unit), _) | (ApproachSpeed::Rapid, ApproachSpeed::Feed(feed, unit))) =
+            (speed, smooth.feed)
+        else {
             return Ok(());
         };
         self.check_feed(feed)?;
         let here = self.spot_of(cutter);
-        let sweep = if smooth.form == Form::Half { PI } else { PI / 2.0 };
-        let made = Arc {
+        let sweep = if smooth.form == ApproachForm::Half { PI } else { PI / 2.0 };
+        let made = PlaneArc {
             center: plus(center, cutter.tip, -1.0),
             radius: smooth.size,
             start_angle: angle(center, here),
@@ -312,11 +329,11 @@ impl Act<'_, '_> {
         };
         let to = self.position_round(cutter, &level, to, &made);
         let from = self.channel().state.place.position;
-        self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
+        self.round(&CircularMove { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
     }
 
     /// Makes the path to a contour whose first piece is known now.
-    pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
+    pub(super) fn smooth_approach(&mut self, waits: &WaitingMove, smooth: &Smooth, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let step = &waits.step;
         let Some(next) = next else {
@@ -331,7 +348,7 @@ impl Act<'_, '_> {
         let contour = tool.map_or(0.0, |axis| step.to.at(axis));
         let heights = self.heights(smooth, contour, stands)?;
         if let Some(cutter) = self.channel_mut().state.place.cutter() {
-            cutter.stage = Stage::On;
+            cutter.stage = CompensationStage::On;
         }
         let Some((touch, heights)) = touch.zip(heights) else {
             let to = self.position_at(&cutter, &step.to, at);
@@ -349,9 +366,9 @@ impl Act<'_, '_> {
             self.position_at(&cutter, &level, touch.far)
         });
         let after = match (step.shape, smooth.own) {
-            (Shape::Rapid, None) => Speed::Rapid,
-            (Shape::Rapid, Some(own)) => own,
-            _ => Speed::Feed(step.feed, step.unit),
+            (MoveShape::Rapid, None) => ApproachSpeed::Rapid,
+            (MoveShape::Rapid, Some(own)) => own,
+            _ => ApproachSpeed::Feed(step.feed, step.unit),
         };
         self.part(step.coded, far, smooth.before)?;
         self.part(step.coded, quick, smooth.before)?;
@@ -369,7 +386,7 @@ impl Act<'_, '_> {
     }
 
     /// Makes the path from a contour; a step says where it ends.
-    fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
+    fn smooth_retract(&mut self, step: Option<&ProgrammedMove>, smooth: &Smooth) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let Some(heading) = smooth.heading else {
             self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747)?;
@@ -403,7 +420,7 @@ impl Act<'_, '_> {
         };
         let old = match smooth.before {
             // The contour has had a feed.
-            Speed::Rapid => smooth.feed,
+            ApproachSpeed::Rapid => smooth.feed,
             feed => feed,
         };
         let slow = smooth.slow.unwrap_or(old);
@@ -420,7 +437,7 @@ impl Act<'_, '_> {
         if let Some(step) = step {
             let after = match (step.shape, smooth.own) {
                 (_, Some(own)) => own,
-                (Shape::Rapid, None) => Speed::Rapid,
+                (MoveShape::Rapid, None) => ApproachSpeed::Rapid,
                 _ => old,
             };
             let level = at_height(heights.far);
@@ -449,7 +466,7 @@ impl Act<'_, '_> {
         } else if cutter.plain {
             corner::end(self);
         } else {
-            cutter.stage = Stage::Start;
+            cutter.stage = CompensationStage::Start;
         }
     }
 }

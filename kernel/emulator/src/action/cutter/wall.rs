@@ -7,7 +7,7 @@
 //! and outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
 
 use super::compensated_plane;
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::modal::{group, plane};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -22,7 +22,7 @@ const LONG: f64 = 100_000.0;
 const PARALLEL: f64 = 1e-3;
 
 /// Ends the move that waits at the wall whose direction is in the block.
-pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn at_wall(act: &mut ActionContext<'_, '_>) -> Acted {
     if !act.channel().env.machine.compensation.wall || act.channel().state.place.polar().is_some() {
         return Ok(());
     }
@@ -45,7 +45,7 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The end of the last move in the plane, and the direction from the centre words of the block.
-fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
+fn direction(act: &mut ActionContext<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
     let plane = plane(code)?;
     let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
     let contour = act.channel().state.place.contour();
@@ -61,7 +61,7 @@ fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option
 }
 
 /// Ends the move of the block that switches compensation on perpendicular to the direction that the block gives.
-pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
+pub(super) fn at_vector(act: &mut ActionContext<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
     if !act.channel().env.machine.compensation.vector
         || act.channel().state.place.polar().is_some()
         || !act.has_axis_word()
@@ -77,7 +77,7 @@ pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]
 }
 
 /// Whether the centre words belong to a circle of the block.
-fn is_round(act: &Act<'_, '_>) -> bool {
+fn is_round(act: &ActionContext<'_, '_>) -> bool {
     let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();
     let motion = written.or_else(|| act.channel().state.modal.code(group::MOTION));

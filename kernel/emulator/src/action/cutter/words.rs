@@ -5,15 +5,15 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
-use counterpoint_motion::contour::blend::Cut;
+use counterpoint_motion::contour::blend::CornerBlend;
 
 use super::corner;
-use crate::act::Act;
-use crate::state::corner::{Asked, Corner, Side};
+use crate::act::ActionContext;
+use crate::state::corner::{ContourRequest, CornerDirection, CornerRequest};
 
 /// Whether a move has words of corners or angles in its block.
 #[inline(always)]
-pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
+pub(in crate::action) fn has_words(act: &ActionContext<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
     act.channel().block.has_any(if straight { registers.line } else { registers.arc })
@@ -22,9 +22,9 @@ pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
 /// Executes a move with the corner words of its block.
 #[cold]
 pub(in crate::action) fn with_words<'a, 'k>(
-    act: &mut Act<'a, 'k>,
+    act: &mut ActionContext<'a, 'k>,
     code: CodeId,
-    moves: impl FnOnce(&mut Act<'a, 'k>) -> Acted,
+    moves: impl FnOnce(&mut ActionContext<'a, 'k>) -> Acted,
 ) -> Acted {
     if only_ignored(act, code) {
         return moves(act);
@@ -53,7 +53,7 @@ pub(in crate::action) fn with_words<'a, 'k>(
 }
 
 /// Whether other codes of the block ignore all these words (`G40 I K`): they are neither corners nor angles.
-fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
+fn only_ignored(act: &ActionContext<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let registers = if matches!(code, codes::INTERP_LINEAR | codes::RAPID) { registers.line } else { registers.arc };
     let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
@@ -62,23 +62,23 @@ fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
 }
 
 /// A word that cannot act.
-fn refused(act: &mut Act<'_, '_>, why: &str) {
+fn refused(act: &mut ActionContext<'_, '_>, why: &str) {
     let text = format!("a corner or angle word cannot act in '{}': {why}", act.channel().block_text());
     act.diagnose(&diag::CORNER_REFUSED, text);
 }
 
 /// Takes the words of a block with a move.
-fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
+fn take(act: &mut ActionContext<'_, '_>, code: CodeId) -> ContourRequest {
     let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
-    let mut found: Vec<(f64, Corner)> = Vec::new();
+    let mut found: Vec<(f64, CornerRequest)> = Vec::new();
     let feed = own_feed(act);
-    let mut add = |value: f64, cut: fn(f64) -> Cut, side: Option<Side>| {
-        found.push((value, Corner { cut: cut(value.abs()), side, feed, modal: false }));
+    let mut add = |value: f64, cut: fn(f64) -> CornerBlend, side: Option<CornerDirection>| {
+        found.push((value, CornerRequest { cut: cut(value.abs()), side, feed, modal: false }));
     };
     for (id, cut) in [
-        (data::CORNER_LEGS, Cut::Legs as fn(f64) -> Cut),
-        (data::CORNER_FACE, Cut::Face),
-        (data::CORNER_ROUND, Cut::Round),
+        (data::CORNER_LEGS, CornerBlend::Legs as fn(f64) -> CornerBlend),
+        (data::CORNER_FACE, CornerBlend::Face),
+        (data::CORNER_ROUND, CornerBlend::Round),
     ] {
         if let Some(value) = act.take(id).map(|datum| datum.value) {
             add(value, cut, None);
@@ -88,13 +88,13 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
     if straight && act.channel().state.place.polar().is_none() {
         let [x, _, z] = act.channel().state.place.layout.cartesian;
         for (id, axis, cut) in [
-            (data::CORNER_SIDE, None, Cut::Legs as fn(f64) -> Cut),
-            (data::CORNER_SIDE_X, x, Cut::Legs),
-            (data::CORNER_SIDE_Z, z, Cut::Legs),
-            (data::CORNER_SIDE_ROUND, None, Cut::Round),
+            (data::CORNER_SIDE, None, CornerBlend::Legs as fn(f64) -> CornerBlend),
+            (data::CORNER_SIDE_X, x, CornerBlend::Legs),
+            (data::CORNER_SIDE_Z, z, CornerBlend::Legs),
+            (data::CORNER_SIDE_ROUND, None, CornerBlend::Round),
         ] {
             if let Some(value) = take_beside_axes(act, id) {
-                add(value.abs(), cut, Some(Side { axis, positive: value > 0.0 }));
+                add(value.abs(), cut, Some(CornerDirection { axis, positive: value > 0.0 }));
             }
         }
     }
@@ -102,7 +102,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         found.push((value, corner));
     }
     modal_rounding(act);
-    let mut asked = Asked { feed, ..Asked::default() };
+    let mut asked = ContourRequest { feed, ..ContourRequest::default() };
     if straight {
         asked.angle = take_beside_axes(act, data::LINE_ANGLE);
     }
@@ -119,14 +119,14 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
     }
     if code == codes::RAPID && !asked.is_empty() && !act.channel().env.machine.corners.rapid {
         refused(act, "a rapid move has no corner");
-        return Asked::default();
+        return ContourRequest::default();
     }
     asked.polar = polar(act);
     asked
 }
 
 /// Distance from the pole and angle; the one missing in the block keeps its last value.
-pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
+pub(in crate::action) fn polar(act: &mut ActionContext<'_, '_>) -> Option<[f64; 2]> {
     let ids = [data::POLE_RADIUS, data::POLE_ANGLE];
     let own = ids.map(|id| act.take(id).map(|datum| datum.value));
     if own == [None; 2] {
@@ -146,18 +146,18 @@ pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
 }
 
 /// The corner that a code of the block makes of a word.
-fn corner_of_code(act: &mut Act<'_, '_>, feed: Option<f64>) -> Option<(f64, Corner)> {
+fn corner_of_code(act: &mut ActionContext<'_, '_>, feed: Option<f64>) -> Option<(f64, CornerRequest)> {
     let (rounds, _) =
         act.channel_mut().state.arcs.corner.take().filter(|(_, block)| *block == act.channel().at.blocks)?;
     let value = act.take(data::CORNER_SIZE)?.value;
     let size = value.abs();
-    let cut = if rounds { Cut::Round(size) } else { Cut::Legs(size) };
-    let side = Some(Side { axis: None, positive: value > 0.0 });
-    Some((size, Corner { cut, side, feed, modal: false }))
+    let cut = if rounds { CornerBlend::Round(size) } else { CornerBlend::Legs(size) };
+    let side = Some(CornerDirection { axis: None, positive: value > 0.0 });
+    Some((size, CornerRequest { cut, side, feed, modal: false }))
 }
 
 /// A code that gives the kind of the corner of its block.
-pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
+pub(in crate::action) fn code(act: &mut ActionContext<'_, '_>, rounds: bool) -> Acted {
     if !act.block_has(data::CORNER_SIZE) {
         refused(act, "the code has no length or radius");
     }
@@ -166,7 +166,7 @@ pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
 }
 
 /// A word of a register that no axis of the channel has and no code of the block ignores.
-fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+fn take_beside_axes(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
     let axes = act.channel().state.place.layout.axes.iter().fold(0, |bits, axis| bits | act.registers_of(axis.data));
     let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, &register| bits | 1 << register.index());
@@ -177,7 +177,7 @@ fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 }
 
 /// Feed of the corners of a block.
-fn own_feed(act: &mut Act<'_, '_>) -> Option<f64> {
+fn own_feed(act: &mut ActionContext<'_, '_>) -> Option<f64> {
     if let Some(feed) = act.take(data::CORNER_FEED_MODAL).map(|datum| datum.value) {
         act.channel_mut().state.remembered.remember(data::CORNER_FEED_MODAL, feed);
     }
@@ -186,7 +186,7 @@ fn own_feed(act: &mut Act<'_, '_>) -> Option<f64> {
 }
 
 /// Rounding of all corners from this block on.
-fn modal_rounding(act: &mut Act<'_, '_>) {
+fn modal_rounding(act: &mut ActionContext<'_, '_>) {
     let Some(radius) = act.take(data::CORNER_ROUND_MODAL).map(|datum| datum.value) else { return };
     if radius < 0.0 || !radius.is_finite() {
         refused(act, "its radius is negative");

@@ -9,9 +9,9 @@ mod path;
 mod webs;
 mod words;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::state::cycle::Hole;
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::state::cycle::CycleHole;
 use crate::state::modal::group;
 use counterpoint_event::event::Kind as EventKind;
 use counterpoint_fault as diag;
@@ -20,21 +20,22 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::{Heights, MachineKind};
+use counterpoint_machine::model::{DistanceMode, MachineKind};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    entry_of_kind!(CodeKind::Cycle(kind) => |act, row, code| cycle(act, kind, row, code)).contour(Contour::Leaves),
-    Entry::of(&[codes::CYCLE_ON], on).contour(Contour::Leaves),
-    Entry::of(&[codes::CYCLE_OFF], |act, _, _| off(act)),
-    Entry::of(&[codes::RIGID_ON], |act, _, _| rigid(act, true)),
-    Entry::of(&[codes::RIGID_OFF], |act, _, _| rigid(act, false)),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    entry_of_kind!(CodeKind::Cycle(kind) => |act, row, code| cycle(act, kind, row, code))
+        .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::CYCLE_ON], on).contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::CYCLE_OFF], |act, _, _| off(act)),
+    ActionEntry::of(&[codes::RIGID_ON], |act, _, _| rigid(act, true)),
+    ActionEntry::of(&[codes::RIGID_OFF], |act, _, _| rigid(act, false)),
 ];
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
-pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code: &PendingCode) -> Acted {
+pub(super) fn cycle(act: &mut ActionContext<'_, '_>, kind: HoleCycle, row: &CodeRow, code: &PendingCode) -> Acted {
     if act.channel().state.cycle.activator && code.modal {
         return Ok(());
     }
@@ -71,7 +72,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
 }
 
 /// Executes the cycle that was defined before.
-pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+pub(super) fn on(act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if code.modal && !has_position(act) {
         return Ok(());
     }
@@ -96,19 +97,19 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
 }
 
 /// Cancels the cycle.
-pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn off(act: &mut ActionContext<'_, '_>) -> Acted {
     end(act);
     super::mode::mode(act, "cycle off")
 }
 
 /// Ends the cycle, and with it the taps that a code has made rigid.
-fn end(act: &mut Act<'_, '_>) {
+fn end(act: &mut ActionContext<'_, '_>) {
     act.channel_mut().state.cycle.end();
     end_rigid(act);
 }
 
 /// Ends rigid tapping at the end of a cycle, and at a cycle that does not tap.
-fn end_rigid(act: &mut Act<'_, '_>) {
+fn end_rigid(act: &mut ActionContext<'_, '_>) {
     act.channel_mut().state.cycle.rigid = 0.0;
     if act.channel().state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {
         act.channel_mut().state.modal.activate(group::RIGID, codes::RIGID_OFF, None);
@@ -116,7 +117,7 @@ fn end_rigid(act: &mut Act<'_, '_>) {
 }
 
 /// Rigid tapping on or off.
-pub(super) fn rigid(act: &mut Act<'_, '_>, on: bool) -> Acted {
+pub(super) fn rigid(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     act.channel_mut().state.cycle.rigid = if on { 2.0 } else { 0.0 };
     super::mode::mode(act, if on { "rigid tapping on" } else { "rigid tapping off" })
 }
@@ -124,7 +125,7 @@ pub(super) fn rigid(act: &mut Act<'_, '_>, on: bool) -> Acted {
 /// A motion code of the program while a cycle is in effect. One that is in the block of the cycle, or that a macro
 /// gives, belongs to the cycle.
 #[cold]
-pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn meets_motion(act: &mut ActionContext<'_, '_>) -> Acted {
     let inside = act.is_inside_macro();
     if inside || act.channel().state.cycle.block == act.channel().at.blocks {
         return Ok(());
@@ -141,7 +142,7 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-fn not_cancelled(act: &mut Act<'_, '_>) {
+fn not_cancelled(act: &mut ActionContext<'_, '_>) {
     let text = format!(
         "the cycle is still active in '{}'; this control requires its cancellation first",
         act.channel().block_text()
@@ -150,13 +151,13 @@ fn not_cancelled(act: &mut Act<'_, '_>) {
 }
 
 /// Whether words of a position or a height are free in the block.
-fn has_position(act: &Act<'_, '_>) -> bool {
+fn has_position(act: &ActionContext<'_, '_>) -> bool {
     act.has_motion_word() || !act.channel().block.added.is_empty()
 }
 
 /// Role and channel axis along which a cycle works: that of its row, otherwise the axis normal to the plane; Z on a
 /// lathe.
-fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
+fn axis_of(act: &ActionContext<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
     let axis =
         |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, axis));
     if let Some(role) = row.axis {
@@ -173,7 +174,7 @@ fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
 }
 
 /// Makes the holes of a block: one, or as many as it says.
-fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted {
+fn holes(act: &mut ActionContext<'_, '_>, kind: HoleCycle, words: &words::CycleTarget) -> Acted {
     if words.times == 0 {
         return Ok(());
     }
@@ -204,12 +205,12 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
 }
 
 /// The heights of a hole from the data of the cycle.
-fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Option<Hole> {
+fn heights(act: &mut ActionContext<'_, '_>, kind: HoleCycle, words: &words::CycleTarget) -> Option<CycleHole> {
     let state = act.channel().state.cycle;
     let (_, axis) = state.axis?;
     let base = if state.activator { state.heights.reference } else { state.heights.initial };
     let bottom = state.heights.bottom.map(|height| height.from(base));
-    let distance = act.channel().env.machine.cycles.clearance == Heights::Incremental;
+    let distance = act.channel().env.machine.cycles.clearance == DistanceMode::Incremental;
     if state.heights.clear.is_none()
         && !kind.bores_back()
         && !distance
@@ -243,5 +244,5 @@ fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Opti
         _ => wanted,
     };
     let webs = if kind.has_webs() { webs::of_hole(act, &state, start) } else { Default::default() };
-    Some(Hole { target: words.target, coded: words.coded, axis, clear, back, depth, bottom, webs })
+    Some(CycleHole { target: words.target, coded: words.coded, axis, clear, back, depth, bottom, webs })
 }

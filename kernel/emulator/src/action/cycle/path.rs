@@ -3,32 +3,32 @@
 //! *Invariant:* every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::{dwell, spindle};
 use crate::state::cycle::Cycle;
-use crate::state::cycle::Hole;
-use counterpoint_event::event::{Direction, Position};
+use crate::state::cycle::CycleHole;
+use counterpoint_event::event::{Position, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::kind::cycle::{HoleCycle, Out, Steps};
+use counterpoint_machine::ident::kind::cycle::{HoleCycle, Out, PeckStyle};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::Approach;
+use counterpoint_machine::model::CycleApproach;
 
 /// Most steps of a hole.
 const MOST_STEPS: u32 = 10_000;
 
 /// A hole being made.
 pub(super) struct Drill<'h> {
-    pub(super) hole: &'h Hole,
+    pub(super) hole: &'h CycleHole,
     kind: HoleCycle,
     pub(super) cycle: Cycle,
     /// Direction of the spindle when the hole began.
-    turning: Direction,
+    turning: SpindleDirection,
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Makes a hole with the current data of the cycle.
-    pub(in crate::action) fn make_hole(&mut self, hole: &Hole) -> Acted {
+    pub(in crate::action) fn make_hole(&mut self, hole: &CycleHole) -> Acted {
         let cycle = self.channel().state.cycle;
         let Some(kind) = HoleCycle::numbered(cycle.number) else { return Ok(()) };
         let turning = self.spindle_command()?.direction;
@@ -48,10 +48,10 @@ impl Act<'_, '_> {
     }
 
     /// To the position at the clearance height.
-    fn approach(&mut self, hole: &Hole) -> Acted {
+    fn approach(&mut self, hole: &CycleHole) -> Acted {
         let along = hole.axis.bit();
         let mut target = hole.target;
-        if self.channel().env.machine.cycles.approach == Approach::PositionFirst {
+        if self.channel().env.machine.cycles.approach == CycleApproach::PositionFirst {
             *target.at_mut(hole.axis) = self.channel().state.place.programmed().at(hole.axis);
             self.rapid_to_point(hole.coded & !along, target)?;
             return self.rapid_to_point(along, self.level(hole.axis, hole.clear));
@@ -91,8 +91,8 @@ impl Act<'_, '_> {
     fn go_down(&mut self, drill: &Drill<'_>, depth: f64) -> Acted {
         let steps = drill.kind.steps();
         let step = drill.cycle.pecks.first.filter(|step| *step > 0.0 && step.is_finite());
-        let Some(step) = step.filter(|_| steps != Steps::None) else {
-            if steps != Steps::None && self.channel().env.machine.cycles.step_required {
+        let Some(step) = step.filter(|_| steps != PeckStyle::None) else {
+            if steps != PeckStyle::None && self.channel().env.machine.cycles.step_required {
                 let text =
                     format!("a cycle needs its step in '{}', it is drilled in one step", self.channel().block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
@@ -145,7 +145,7 @@ impl Act<'_, '_> {
 
     /// Between two steps: fully out and back to `above`, or only up to there.
     fn between(&mut self, drill: &Drill<'_>, above: f64, leaves: bool) -> Acted {
-        let full = leaves || drill.kind.steps() == Steps::Full;
+        let full = leaves || drill.kind.steps() == PeckStyle::Full;
         let ratio = drill.cycle.rates.ratio;
         if !drill.kind.taps() {
             if full {
@@ -180,12 +180,12 @@ impl Act<'_, '_> {
                 self.lift(drill, hole.back)
             }
             Out::Stopped => {
-                self.turn(drill, Direction::Off)?;
+                self.turn(drill, SpindleDirection::Off)?;
                 self.lift(drill, hole.back)?;
                 self.turn_again(drill)
             }
             Out::Oriented => {
-                self.turn(drill, Direction::Oriented)?;
+                self.turn(drill, SpindleDirection::Oriented)?;
                 self.shift_aside(drill, 1.0)?;
                 self.lift(drill, hole.back)?;
                 self.shift_aside(drill, -1.0)?;
@@ -196,7 +196,7 @@ impl Act<'_, '_> {
 
     /// Beside the centre down to the lower clearance, up at feed, and out beside the centre.
     fn bore_back(&mut self, drill: &Drill<'_>, depth: f64, bottom: f64) -> Acted {
-        self.turn(drill, Direction::Oriented)?;
+        self.turn(drill, SpindleDirection::Oriented)?;
         self.shift_aside(drill, 1.0)?;
         self.lift(drill, bottom)?;
         self.shift_aside(drill, -1.0)?;
@@ -231,9 +231,9 @@ impl Act<'_, '_> {
     }
 
     /// Stops or orients a spindle that turned when the hole began.
-    fn turn(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
+    fn turn(&mut self, drill: &Drill<'_>, direction: SpindleDirection) -> Acted {
         match drill.turning {
-            Direction::Clockwise | Direction::CounterClockwise => spindle::turn_inside(self, direction),
+            SpindleDirection::Clockwise | SpindleDirection::CounterClockwise => spindle::turn_inside(self, direction),
             _ => Ok(()),
         }
     }
@@ -245,16 +245,16 @@ impl Act<'_, '_> {
 
     fn reverse(&mut self, drill: &Drill<'_>) -> Acted {
         let opposite = match drill.turning {
-            Direction::Clockwise => Direction::CounterClockwise,
-            _ => Direction::Clockwise,
+            SpindleDirection::Clockwise => SpindleDirection::CounterClockwise,
+            _ => SpindleDirection::Clockwise,
         };
         self.change_direction(drill, opposite)
     }
 
     /// Through a standstill if the spindle turns the other way.
-    fn change_direction(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
+    fn change_direction(&mut self, drill: &Drill<'_>, direction: SpindleDirection) -> Acted {
         if drill.kind.taps() {
-            self.turn(drill, Direction::Off)?;
+            self.turn(drill, SpindleDirection::Off)?;
         }
         self.turn(drill, direction)
     }

@@ -4,7 +4,7 @@
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
 //! cycle. *Invariant:* a web has a start and a depth, or it is left out and reported.
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -18,7 +18,7 @@ pub(super) const DATA: [[DataId; 2]; FURTHER_WEBS] = [
 ];
 
 /// Positions of the webs of a hole; distances count from `base` like the depth.
-pub(super) fn of_hole(act: &mut Act<'_, '_>, state: &Cycle, base: f64) -> [Option<[f64; 2]>; FURTHER_WEBS] {
+pub(super) fn of_hole(act: &mut ActionContext<'_, '_>, state: &Cycle, base: f64) -> [Option<[f64; 2]>; FURTHER_WEBS] {
     let mut webs = [None; FURTHER_WEBS];
     for (number, (slot, given)) in (2..).zip(webs.iter_mut().zip(state.heights.webs)) {
         let at = |height: Option<Height>| height.map(|height| height.from(base));
@@ -36,7 +36,7 @@ pub(super) fn of_hole(act: &mut Act<'_, '_>, state: &Cycle, base: f64) -> [Optio
     webs
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// From the depth of the first web through the others.
     pub(super) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
         let hole = drill.hole;

@@ -3,7 +3,7 @@
 //! *Invariant:* a kind takes only the words it uses; the rest stays in the block and is reported. Facts: reference
 //! control-emulator.md 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::cycle::Height;
 use crate::state::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Position};
@@ -12,8 +12,8 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
-use counterpoint_machine::model::Heights;
-use counterpoint_program::block::Datum;
+use counterpoint_machine::model::DistanceMode;
+use counterpoint_program::block::RetrievedValue;
 
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
@@ -23,7 +23,7 @@ const NEARLY_WHOLE: f64 = 1e-6;
 
 /// Position of a block and how often the cycle is executed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Words {
+pub(super) struct CycleTarget {
     pub(super) target: Position,
     /// Coded axes, bit by axis.
     pub(super) coded: u8,
@@ -33,7 +33,7 @@ pub(super) struct Words {
 }
 
 /// Takes the data of a cycle code; the kind may become a rigid one.
-pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
+pub(super) fn take(act: &mut ActionContext<'_, '_>, kind: HoleCycle) -> (HoleCycle, CycleTarget) {
     let pitched = act.channel().env.machine.cycles.tap_pitch && kind.taps();
     let kind = if pitched { tap_type(act, kind) } else { kind };
     if pitched && (kind.is_rigid() || act.channel().state.cycle.tap.is_some_and(|tap| tap >= 1.0)) {
@@ -74,7 +74,7 @@ pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words)
 }
 
 /// Takes the position of a block that executes the cycle defined before.
-pub(super) fn take_position(act: &mut Act<'_, '_>) -> Words {
+pub(super) fn take_position(act: &mut ActionContext<'_, '_>) -> CycleTarget {
     take_feed(act);
     let mut words = position(act);
     words.times = times(act);
@@ -83,7 +83,7 @@ pub(super) fn take_position(act: &mut Act<'_, '_>) -> Words {
 
 /// A feed of the cycle's own lasts until another one is programmed or the cycle ends; otherwise that of the mode
 /// counts.
-fn take_feed(act: &mut Act<'_, '_>) {
+fn take_feed(act: &mut ActionContext<'_, '_>) {
     let own = [
         (data::CYCLE_UPM, FeedUnit::PerMinute),
         (data::CYCLE_UPR, FeedUnit::PerRevolution),
@@ -113,7 +113,7 @@ fn take_feed(act: &mut Act<'_, '_>) {
 }
 
 /// The feed of a tap that is its pitch; it lasts like a feed of the cycle's own.
-fn take_pitch(act: &mut Act<'_, '_>) {
+fn take_pitch(act: &mut ActionContext<'_, '_>) {
     if let Some(datum) = act.take(data::FEED_UPR) {
         act.channel_mut().state.cycle.rates.feed = (Some(datum.value), FeedUnit::PerRevolution);
         act.channel_mut().state.cycle.rates.own_feed = true;
@@ -123,7 +123,7 @@ fn take_pitch(act: &mut Act<'_, '_>) {
 }
 
 /// The depth: data of its own, otherwise the word of the axis.
-fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rule: Heights) {
+fn depth(act: &mut ActionContext<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rule: DistanceMode) {
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(act, id, rule, scale));
     let depth = own.or_else(|| height(act, act.channel().state.place.layout.axes[axis].data, rule, 1.0));
@@ -133,7 +133,7 @@ fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rul
 }
 
 /// A height; a distance is divided by `scale`, which makes a radius a diameter.
-fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Option<Height> {
+fn height(act: &mut ActionContext<'_, '_>, id: DataId, rule: DistanceMode, scale: f64) -> Option<Height> {
     let datum = act.take(id)?;
     let relative = is_relative(act, rule, &datum);
     if relative {
@@ -149,19 +149,19 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     Some(Height { value: datum.value * factor - shift, relative })
 }
 
-fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {
+fn is_relative(act: &ActionContext<'_, '_>, rule: DistanceMode, datum: &RetrievedValue) -> bool {
     let mode = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     datum.incremental
         || !datum.absolute
             && match rule {
-                Heights::Mode => mode,
-                Heights::Absolute => false,
-                Heights::Incremental => true,
+                DistanceMode::Mode => mode,
+                DistanceMode::Absolute => false,
+                DistanceMode::Incremental => true,
             }
 }
 
 /// Position axes, and which of them are distances.
-fn position(act: &mut Act<'_, '_>) -> Words {
+fn position(act: &mut ActionContext<'_, '_>) -> CycleTarget {
     let mode = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
     for (index, axis) in act.channel().state.place.layout.axes.iter().enumerate() {
@@ -173,12 +173,12 @@ fn position(act: &mut Act<'_, '_>) -> Words {
         }
     }
     let (coded, target) = act.programmed_targets();
-    Words { target, coded, relative: relative & coded, times: 1 }
+    CycleTarget { target, coded, relative: relative & coded, times: 1 }
 }
 
 /// Steps, dwell and shift, as far as the kind has them.
-fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
-    use counterpoint_machine::ident::kind::cycle::{Out, Steps};
+fn amounts(act: &mut ActionContext<'_, '_>, kind: HoleCycle) -> HoleCycle {
+    use counterpoint_machine::ident::kind::cycle::{Out, PeckStyle};
     let mut kind = tap_type(act, kind);
     if act.channel().state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
@@ -198,7 +198,7 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     {
         *bottom = dwell;
     }
-    if kind.steps() != Steps::None {
+    if kind.steps() != PeckStyle::None {
         if let Some(step) = act.take(data::CYCLE_STEP) {
             act.channel_mut().state.cycle.pecks.first = Some(step.value.abs());
         }
@@ -207,18 +207,18 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
             act.channel_mut().state.cycle.pecks.decrement = decrement.value.abs();
         }
         // One word may be the depth between full retracts, or where there is a decrement the smallest step.
-        if (decrement.is_some() || kind.steps() != Steps::Small)
+        if (decrement.is_some() || kind.steps() != PeckStyle::Small)
             && let Some(least) = act.take(data::CYCLE_STEP_MIN)
         {
             act.channel_mut().state.cycle.pecks.least = least.value.abs();
         }
-        if kind.steps() == Steps::Small
+        if kind.steps() == PeckStyle::Small
             && let Some(out) = act.take(data::CYCLE_STEP_OUT)
         {
             act.channel_mut().state.cycle.pecks.out = out.value.abs();
         }
     }
-    if (kind.steps() != Steps::None || kind.has_webs())
+    if (kind.steps() != PeckStyle::None || kind.has_webs())
         && let Some(back) = act.take(data::CYCLE_STEP_BACK)
     {
         act.channel_mut().state.cycle.pecks.retract = back.value.abs();
@@ -235,7 +235,7 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
 }
 
 /// A tap of the programmed type, if one has been programmed.
-fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
+fn tap_type(act: &mut ActionContext<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if !kind.taps() {
         return kind;
     }
@@ -259,7 +259,7 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     typed
 }
 
-fn shifts(act: &mut Act<'_, '_>) {
+fn shifts(act: &mut ActionContext<'_, '_>) {
     if let Some(orient) = act.take(data::CYCLE_ORIENT) {
         act.channel_mut().state.cycle.boring.orient = orient.value;
     }
@@ -283,7 +283,7 @@ fn shifts(act: &mut Act<'_, '_>) {
 }
 
 /// How often the cycle is executed in this block; 0 only stores its values.
-fn times(act: &mut Act<'_, '_>) -> u32 {
+fn times(act: &mut ActionContext<'_, '_>) -> u32 {
     let Some(datum) = act.take(data::CYCLE_REPEAT) else { return 1 };
     let nearest = datum.value.round();
     if (datum.value - nearest).abs() < NEARLY_WHOLE {

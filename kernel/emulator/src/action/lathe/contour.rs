@@ -7,8 +7,8 @@
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
-use crate::act::{Act, CodeAction};
-use crate::action::entry::{Contour, Entry};
+use crate::act::{ActionContext, CodeAction};
+use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::action::{find, subprogram};
 use crate::channel::actions::Action;
 use crate::state::modal::plane;
@@ -31,13 +31,13 @@ struct Shaping;
 struct Defining;
 
 impl CodeAction for Defining {
-    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         find(row.id).map_or(Ok(()), |entry| entry.execute(act, row, code))
     }
 }
 
 /// All other codes.
-static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
+static OTHERS: ActionEntry = ActionEntry::of(&[], other).contour(CompensationEffect::Waits);
 
 /// The effect of a code while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
@@ -61,7 +61,7 @@ pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
 }
 
 impl CodeAction for Shaping {
-    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         // E of a thread is the change of its lead.
         let is_thread = matches!(row.id.kind(), CodeKind::Thread(_))
             || matches!(row.id, codes::INTERP_THREAD_ARC_CLW | codes::INTERP_THREAD_ARC_CCLW);
@@ -76,7 +76,7 @@ impl CodeAction for Shaping {
 }
 
 /// Takes the first move, which gives the start of the contour and decides how the cycle works.
-fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
+fn first(act: &mut ActionContext<'_, '_>, id: CodeId) -> Acted {
     let (coded, target) = act.programmed_targets();
     if coded == 0 {
         return Ok(());
@@ -126,7 +126,7 @@ const FRAMES: [CodeId; 8] = [
 ];
 
 /// A code that does not shape the contour.
-fn other(act: &mut Act<'_, '_>, row: &CodeRow, _: &PendingCode) -> Acted {
+fn other(act: &mut ActionContext<'_, '_>, row: &CodeRow, _: &PendingCode) -> Acted {
     if row.id == codes::DELAY {
         act.take(data::DELAY);
     }
@@ -150,7 +150,7 @@ fn other(act: &mut Act<'_, '_>, row: &CodeRow, _: &PendingCode) -> Acted {
 }
 
 /// Whether a code selects the plane that the contour is already in, as editors of contours write it.
-fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
+fn keeps_plane(act: &ActionContext<'_, '_>, id: CodeId) -> bool {
     let (Some(own), Some(new)) = (act.channel().state.others.turning.reading.plane, act.channel().active_plane())
     else {
         return false;
@@ -158,19 +158,19 @@ fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
     plane(id).is_some() && own.axes == new.axes
 }
 
-fn refuse(act: &mut Act<'_, '_>) -> Acted {
+fn refuse(act: &mut ActionContext<'_, '_>) -> Acted {
     let text =
         format!("a contour has G0 to G4, feed, speed, tool and M codes only, not '{}'", act.channel().block_text());
     Err(act.alarm(&diag::CONTOUR_CODE, text))
 }
 
 /// The linear axis across a plane.
-fn across(act: &Act<'_, '_>, axes: [AxisSlot; 2]) -> Option<AxisSlot> {
+fn across(act: &ActionContext<'_, '_>, axes: [AxisSlot; 2]) -> Option<AxisSlot> {
     act.channel().state.place.layout.cartesian.iter().flatten().copied().find(|axis| !axes.contains(axis))
 }
 
 /// Records a motion as a piece of the contour.
-pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
+pub(in crate::action) fn record(act: &mut ActionContext<'_, '_>, motion: &Motion) -> Acted {
     let own = act.channel().state.others.turning.reading.plane;
     let Some(plane) = own.or_else(|| act.channel().lathe_plane()) else { return Ok(()) };
     let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));

@@ -15,14 +15,14 @@ pub(super) use contour::{reading, record};
 pub(super) use moves::go_back;
 pub(super) use strip::strip;
 
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::contour::shifted::shifted;
-use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rough};
+use counterpoint_motion::turning::{ContourError, ProgrammedContour as Shape, pattern, peck, rough};
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Reading, Task};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -33,35 +33,40 @@ use counterpoint_program::block::PendingCode;
 use moves::Cutting;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
+pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Turning(TurningCycle::Finish) => |act, _row, _code| finish(act))
         .moves()
-        .contour(Contour::Ends),
+        .contour(CompensationEffect::Ends),
     entry_of_kind!(
         CodeKind::Turning(kind @ (TurningCycle::Rough { .. } | TurningCycle::Pattern | TurningCycle::Peck { .. }
             | TurningCycle::Single { .. } | TurningCycle::Lap(_))) => |act, _row, code| cycle(act, kind, code)
     )
     .moves()
-    .contour(Contour::Leaves),
-    Entry::of(&[codes::TURN_PASS], |act, _, _| {
+    .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::TURN_PASS], |act, _, _| {
         screw::pass(act);
         Ok(())
     }),
-    Entry::of(&[codes::TURN_LAP_STAY], |act, _, _| {
+    ActionEntry::of(&[codes::TURN_LAP_STAY], |act, _, _| {
         act.channel_mut().state.others.turning.stays = true;
         Ok(())
     }),
 ];
 
-fn finish(act: &mut Act<'_, '_>) -> Acted {
+fn finish(act: &mut ActionContext<'_, '_>) -> Acted {
     let (first, last) = words::blocks(act);
     let blocks = contour_blocks(act, first, last)?;
     let feed = act.feed();
-    act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays: false, off: 0 }, feed, feeds: [None; 2] });
+    act.cut_contour(ContourCycle {
+        blocks,
+        task: ContourTask::Finish { stays: false, off: 0 },
+        feed,
+        feeds: [None; 2],
+    });
     Ok(())
 }
 
-fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
+fn cycle(act: &mut ActionContext<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
     let Some(plane) = act.channel().lathe_plane() else {
         let text = format!(
             "channel {} has no X and Z for the cycle of '{}'",
@@ -82,7 +87,11 @@ fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted
 }
 
 /// The numbers of the contour blocks; both are needed.
-fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<ContourBlocks, diag::Halt> {
+fn contour_blocks(
+    act: &mut ActionContext<'_, '_>,
+    first: Option<u32>,
+    last: Option<u32>,
+) -> Result<ContourBlocks, diag::Halt> {
     first.zip(last).map(|(first, last)| ContourBlocks::Numbers(first, last)).ok_or_else(|| {
         let text = format!(
             "the cycle needs the first and the last block of its contour (P and Q) in '{}'",
@@ -92,7 +101,7 @@ fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) 
     })
 }
 
-fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
+fn roughing(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
     let (first, last) = words::blocks(act);
     if first.is_none()
         && last.is_none()
@@ -109,11 +118,16 @@ fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
     let feed = act.feed();
-    act.cut_contour(ContourCycle { blocks, task: Task::Rough(rough.settings, rough.pockets), feed, feeds: [None; 2] });
+    act.cut_contour(ContourCycle {
+        blocks,
+        task: ContourTask::Rough(rough.settings, rough.pockets),
+        feed,
+        feeds: [None; 2],
+    });
     Ok(())
 }
 
-fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
+fn repeating(act: &mut ActionContext<'_, '_>, plane: &LathePlane) -> Acted {
     let (first, last) = words::blocks(act);
     if first.is_none() && last.is_none() && act.channel().env.machine.turning.two_lines && words::pattern_settings(act)
     {
@@ -130,16 +144,16 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
     }
     let relief = act.channel().state.others.turning.relief;
     let feed = act.feed();
-    let settings = pattern::Settings { relief, allowance, passes: repeats as u32 };
-    act.cut_contour(ContourCycle { blocks, task: Task::Pattern(settings), feed, feeds: [None; 2] });
+    let settings = pattern::PatternRepeatSettings { relief, allowance, passes: repeats as u32 };
+    act.cut_contour(ContourCycle { blocks, task: ContourTask::Pattern(settings), feed, feeds: [None; 2] });
     Ok(())
 }
 
-fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
+fn pecking(act: &mut ActionContext<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
     if act.channel().env.machine.turning.two_lines && words::peck_settings(act) {
         return Ok(());
     }
-    let words::Pecks { steps, relief } = words::pecks(act);
+    let words::PeckWords { steps, relief } = words::pecks(act);
     let (feed, unit) = act.feed();
     let from = act.channel().state.place.programmed();
     let (_, target) = act.programmed_targets();
@@ -149,7 +163,7 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
     }
     let turned = |[z, x]: [f64; 2]| if along_x { [x, z] } else { [z, x] };
     let [peck, shift] = turned(steps);
-    let settings = peck::Settings {
+    let settings = peck::PeckSettings {
         along_x,
         start: turned(plane.point(&from)),
         end: turned(plane.point(&target)),
@@ -162,7 +176,7 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
 }
 
 /// One cut and back.
-fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) -> Acted {
+fn single(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool, implied: bool) -> Acted {
     if act.channel().acting.mode_changed {
         let turning = &mut act.channel_mut().state.others.turning;
         (turning.end, turning.taper) = ([None; 2], 0.0);
@@ -196,16 +210,20 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
         false => [[start_z, x + taper], [z, start_x]],
         true => [[z + taper, start_x], [start_z, x]],
     };
-    use counterpoint_motion::turning::{Move, Sink as _};
+    use counterpoint_motion::turning::{CycleMove, MoveSink as _};
     let cutting = &mut Cutting::new(act, plane, (feed, unit));
-    cutting.go(Move::Rapid(begin))?;
-    cutting.go(Move::Feed([z, x]))?;
-    cutting.go(Move::Feed(back))?;
-    cutting.go(Move::Rapid([start_z, start_x]))
+    cutting.go(CycleMove::Rapid(begin))?;
+    cutting.go(CycleMove::Feed([z, x]))?;
+    cutting.go(CycleMove::Feed(back))?;
+    cutting.go(CycleMove::Rapid([start_z, start_x]))
 }
 
 /// The path of the imaginary tip whose nose goes beside a contour, up to a piece; as it is where the tool has no nose.
-fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<usize>)) -> Option<Vec<Element>> {
+fn beside(
+    act: &ActionContext<'_, '_>,
+    contour: &[Element],
+    (side, until): (f64, Option<usize>),
+) -> Option<Vec<Element>> {
     let number = act.channel().diameter_number();
     let radius = act.cutter_radius(number);
     if radius <= 0.0 {
@@ -214,7 +232,7 @@ fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<us
     let tip = act.nose_tip(number, codes::PLANE_ZX).map(|part| part * radius);
     let back = |[z, x]: [f64; 2]| [z - tip[0], x - tip[1]];
     let of_tip = |element: Element| {
-        let arc = element.arc.map(|arc| Arc { center: back(arc.center), ..arc });
+        let arc = element.arc.map(|arc| PlaneArc { center: back(arc.center), ..arc });
         Element { from: back(element.from), to: back(element.to), arc }
     };
     let (beside, rest) = contour.split_at_checked(until.map_or(contour.len(), |until| until.min(contour.len())))?;
@@ -231,16 +249,17 @@ fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<us
 }
 
 /// Cuts along a contour that was read.
-pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading) -> Acted {
+pub(super) fn cut(act: &mut ActionContext<'_, '_>, cycle: &ContourCycle, reading: RecordedContour) -> Acted {
     let Some((plane, first)) = act.channel().lathe_plane().zip(reading.first) else {
         let text = format!("the contour of '{}' has no move", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     };
     let mut elements = reading.elements;
-    if reading.ends_rapid && act.channel().env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
+    if reading.ends_rapid && act.channel().env.machine.turning.retracts && matches!(cycle.task, ContourTask::Rough(..))
+    {
         elements.pop();
     }
-    if let Task::Thread { face } = cycle.task {
+    if let ContourTask::Thread { face } = cycle.task {
         return screw::cut(act, &plane, face, (reading.start, &elements, &reading.screws));
     }
     if reading.screws.iter().any(Option::is_some) {
@@ -248,7 +267,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         return Err(act.alarm(&diag::CONTOUR_CODE, text));
     }
     let mut feeds = reading.feeds;
-    if let (Task::Rough(rough::Settings { lap: Some(_), .. }, _), Some(side)) = (cycle.task, reading.side) {
+    if let (ContourTask::Rough(rough::RoughSettings { lap: Some(_), .. }, _), Some(side)) = (cycle.task, reading.side) {
         let Some(beside) = beside(act, &elements, (side, reading.beside)) else {
             let text =
                 format!("the nose of the tool does not fit into the contour of '{}'", act.channel().block_text());
@@ -260,11 +279,11 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     }
     let shape = Shape { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
     let refused = match cycle.task {
-        Task::Finish { .. } | Task::Pocket(_) | Task::Thread { .. } => None,
-        Task::Rough(settings, pockets) => {
+        ContourTask::Finish { .. } | ContourTask::Pocket(_) | ContourTask::Thread { .. } => None,
+        ContourTask::Rough(settings, pockets) => {
             let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
             let pockets = pockets.unwrap_or(both && act.channel().env.machine.turning.pockets);
-            match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
+            match rough::RoughCycle::new(&shape, rough::RoughSettings { pockets, ..settings }) {
                 Ok(rough) => {
                     act.check_feed(cycle.feed.0)?;
                     rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds, feeds))?;
@@ -273,7 +292,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
                 Err(refusal) => Some(refusal),
             }
         }
-        Task::Pattern(settings) => {
+        ContourTask::Pattern(settings) => {
             act.check_feed(cycle.feed.0)?;
             pattern::run(&shape, &settings, &mut Cutting::new(act, &plane, cycle.feed))?;
             None
@@ -285,9 +304,9 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     };
     let block = act.channel().block_text();
     let (facts, why) = match refusal {
-        Refusal::TurnsBack => (&diag::CONTOUR_BACK, "turns back along the cut"),
-        Refusal::BeyondStart => (&diag::CONTOUR_BEYOND, "reaches beyond the start point of the cycle"),
-        Refusal::Nothing => (&diag::CONTOUR_FIRST, "has no piece to cut"),
+        ContourError::TurnsBack => (&diag::CONTOUR_BACK, "turns back along the cut"),
+        ContourError::BeyondStart => (&diag::CONTOUR_BEYOND, "reaches beyond the start point of the cycle"),
+        ContourError::Nothing => (&diag::CONTOUR_FIRST, "has no piece to cut"),
     };
     Err(act.alarm(facts, format!("the contour of '{block}' {why}")))
 }

@@ -3,10 +3,10 @@
 //! *Invariant:* a move that changes no coordinate makes no motion.
 
 use counterpoint_motion::arc as geometry;
-use counterpoint_motion::turning::{Move, Sink};
+use counterpoint_motion::turning::{CycleMove, MoveSink};
 
-use crate::act::Act;
-use crate::action::arc::Circle;
+use crate::act::ActionContext;
+use crate::action::arc::CircularMove;
 use crate::action::{cutter, dwell, turned};
 use crate::state::modal::plane;
 use crate::state::turning::LathePlane;
@@ -16,7 +16,7 @@ use counterpoint_machine::ident::codes;
 
 /// A cycle that is being cut.
 pub(super) struct Cutting<'x, 'k, 'a> {
-    act: &'x mut Act<'k, 'a>,
+    act: &'x mut ActionContext<'k, 'a>,
     plane: LathePlane,
     feed: (Option<f64>, FeedUnit),
     /// Its own feed, and those of changes.
@@ -28,7 +28,7 @@ pub(super) struct Cutting<'x, 'k, 'a> {
 
 impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
     /// A cycle at this feed.
-    pub(super) fn new(act: &'x mut Act<'k, 'a>, plane: &LathePlane, feed: (Option<f64>, FeedUnit)) -> Self {
+    pub(super) fn new(act: &'x mut ActionContext<'k, 'a>, plane: &LathePlane, feed: (Option<f64>, FeedUnit)) -> Self {
         Self { act, plane: *plane, feed, feeds: [feed.0, None, None], pieces: Vec::new(), level: feed.0 }
     }
 
@@ -43,20 +43,20 @@ impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
         let Ok(made) = geometry::by_center(start, end, center, clockwise) else {
             return self.act.feed_to_point(coded, to, feed, unit);
         };
-        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
+        let circle = CircularMove { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
         round(self.act, &circle)
     }
 }
 
 /// A circle in the plane of turning.
-pub(super) fn round(act: &mut Act<'_, '_>, circle: &Circle) -> Acted {
+pub(super) fn round(act: &mut ActionContext<'_, '_>, circle: &CircularMove) -> Acted {
     match plane(codes::PLANE_ZX) {
         Some(plane) if act.channel().state.place.frames.is_some() => turned::circle(act, plane, circle),
         _ => act.circle_to(circle),
     }
 }
 
-impl Sink for Cutting<'_, '_, '_> {
+impl MoveSink for Cutting<'_, '_, '_> {
     type Stop = Halt;
 
     fn pass(&mut self) -> Acted {
@@ -82,8 +82,8 @@ impl Sink for Cutting<'_, '_, '_> {
         cutter::beside(self.act, side)
     }
 
-    fn go(&mut self, to: Move) -> Acted {
-        let (Move::Rapid(point) | Move::Feed(point) | Move::Arc { to: point, .. }) = to;
+    fn go(&mut self, to: CycleMove) -> Acted {
+        let (CycleMove::Rapid(point) | CycleMove::Feed(point) | CycleMove::Arc { to: point, .. }) = to;
         let from = self.act.channel().state.place.programmed();
         let target = self.plane.position(from, point);
         let coded = self.plane.moved(&from, &target);
@@ -92,16 +92,16 @@ impl Sink for Cutting<'_, '_, '_> {
         }
         let (feed, unit) = self.feed;
         match to {
-            Move::Rapid(_) => self.act.rapid_to_point(coded, target),
-            Move::Feed(_) => self.act.feed_to_point(coded, target, feed, unit),
-            Move::Arc { center, clockwise, .. } => self.arc([from, target], (center, clockwise), coded),
+            CycleMove::Rapid(_) => self.act.rapid_to_point(coded, target),
+            CycleMove::Feed(_) => self.act.feed_to_point(coded, target, feed, unit),
+            CycleMove::Arc { center, clockwise, .. } => self.arc([from, target], (center, clockwise), coded),
         }
     }
 }
 
 /// Goes to a programmed point at rapid, in the plane of turning.
-pub(in crate::action) fn go_back(act: &mut Act<'_, '_>, to: &Position) -> Acted {
+pub(in crate::action) fn go_back(act: &mut ActionContext<'_, '_>, to: &Position) -> Acted {
     let Some(plane) = act.channel().lathe_plane() else { return Ok(()) };
     let point = plane.point(to);
-    Cutting::new(act, &plane, (None, FeedUnit::Rapid)).go(Move::Rapid(point))
+    Cutting::new(act, &plane, (None, FeedUnit::Rapid)).go(CycleMove::Rapid(point))
 }

@@ -6,11 +6,11 @@
 
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, Spot};
-use counterpoint_motion::turning::{Move, Sink as _};
+use counterpoint_motion::turning::{CycleMove, MoveSink as _};
 
 use super::moves::{Cutting, round};
-use crate::act::Act;
-use crate::action::arc::Circle;
+use crate::act::ActionContext;
+use crate::action::arc::CircularMove;
 use crate::action::cutter;
 use crate::state::thread::Screw;
 use crate::state::turning::LathePlane;
@@ -20,7 +20,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
 
 /// One more pass.
-pub(super) fn pass(act: &mut Act<'_, '_>) {
+pub(super) fn pass(act: &mut ActionContext<'_, '_>) {
     let [depth, shift] =
         [data::TURN_PASS_DEPTH, data::TURN_PASS_SHIFT].map(|id| act.take(id).map_or(0.0, |datum| datum.value));
     act.channel_mut().state.others.turning.passes.push([depth, shift]);
@@ -28,7 +28,7 @@ pub(super) fn pass(act: &mut Act<'_, '_>) {
 
 /// Cuts all passes along the pieces of a contour.
 pub(super) fn cut(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     plane: &LathePlane,
     face: bool,
     (start, elements, screws): (Spot, &[Element], &[Option<Screw>]),
@@ -52,7 +52,7 @@ pub(super) fn cut(
         let [of_z, of_x] = plane.scales;
         let off = if face { [away * depth * of_z, shift * of_z] } else { [shift * of_x, away * depth * of_x] };
         let at = |[a, b]: Spot| [a + off[0], b + off[1]];
-        let rapid = |act: &mut Act<'_, '_>, to: Spot| Cutting::new(act, plane, feed).go(Move::Rapid(to));
+        let rapid = |act: &mut ActionContext<'_, '_>, to: Spot| Cutting::new(act, plane, feed).go(CycleMove::Rapid(to));
         let begin = at([z, x]);
         rapid(act, if face { [start[0], begin[1]] } else { [begin[0], start[1]] })?;
         rapid(act, begin)?;
@@ -68,7 +68,7 @@ pub(super) fn cut(
 }
 
 /// One piece of a pass, to its moved end.
-fn piece(act: &mut Act<'_, '_>, plane: &LathePlane, (element, to): (&Element, Spot), screw: &Screw) -> Acted {
+fn piece(act: &mut ActionContext<'_, '_>, plane: &LathePlane, (element, to): (&Element, Spot), screw: &Screw) -> Acted {
     let from = act.channel().state.place.programmed();
     let target = plane.position(from, to);
     let coded = plane.moved(&from, &target);
@@ -82,7 +82,7 @@ fn piece(act: &mut Act<'_, '_>, plane: &LathePlane, (element, to): (&Element, Sp
         Ok(made) => {
             let (feed, unit) = (Some(screw.lead), FeedUnit::PerRevolution);
             let screw = Some(*screw);
-            round(act, &Circle { made, coded, from, to: target, axes: plane.axes, turns: 0, feed, unit, screw })
+            round(act, &CircularMove { made, coded, from, to: target, axes: plane.axes, turns: 0, feed, unit, screw })
         }
         Err(_) => act.cut_to_point(coded, target, screw),
     }

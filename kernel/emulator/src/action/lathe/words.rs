@@ -6,25 +6,25 @@
 use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::turning::rough;
 
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::state::turning::LathePlane;
 use counterpoint_machine::ident::{DataId, data};
 
 /// Largest sequence number.
 const MOST: f64 = 4_294_967_295.0;
 
-fn value(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+fn value(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
     act.take(id).map(|datum| datum.value)
 }
 
 /// First and last contour block.
-pub(super) fn blocks(act: &mut Act<'_, '_>) -> (Option<u32>, Option<u32>) {
+pub(super) fn blocks(act: &mut ActionContext<'_, '_>) -> (Option<u32>, Option<u32>) {
     let mut number = |id| act.take(id).map(|datum| datum.value.clamp(0.0, MOST) as u32);
     (number(data::TURN_FIRST), number(data::TURN_LAST))
 }
 
 /// Depth and retraction from a line of settings; false if it has neither.
-pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
+pub(super) fn rough_settings(act: &mut ActionContext<'_, '_>, face: bool) -> bool {
     let depth = value(act, if face { data::TURN_DEPTH_Z } else { data::TURN_DEPTH_X });
     let depth = depth.or_else(|| value(act, data::TURN_DEPTH));
     let retract = value(act, data::TURN_RETRACT);
@@ -35,14 +35,14 @@ pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
 }
 
 /// Words of a rough cycle.
-pub(super) struct Rough {
-    pub(super) settings: rough::Settings,
+pub(super) struct RoughingWords {
+    pub(super) settings: rough::RoughSettings,
     /// With pockets, if a word says so.
     pub(super) pockets: Option<bool>,
 }
 
 /// The words of a rough cycle beside its contour blocks.
-pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Rough {
+pub(super) fn rough(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool) -> RoughingWords {
     let allowance = allowance(act, plane);
     let semi = [data::TURN_SEMI_Z, data::TURN_SEMI_X].map(|id| value(act, id).unwrap_or(0.0));
     if let Some(depth) = value(act, data::TURN_DEPTH) {
@@ -51,17 +51,20 @@ pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Ro
     let pockets = value(act, data::TURN_TYPE).map(|kind| kind == 1.0);
     let turning = &act.channel().state.others.turning;
     let (depth, retract) = (turning.depth, turning.retract);
-    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false, lap: None }, pockets }
+    RoughingWords {
+        settings: rough::RoughSettings { face, depth, retract, allowance, semi, pockets: false, lap: None },
+        pockets,
+    }
 }
 
 /// Allowances along Z and X; that of X is in the form of programmed X.
-fn allowance(act: &mut Act<'_, '_>, plane: &LathePlane) -> Spot {
+fn allowance(act: &mut ActionContext<'_, '_>, plane: &LathePlane) -> Spot {
     let [z, x] = [data::TURN_ALLOWANCE_Z, data::TURN_ALLOWANCE_X].map(|id| value(act, id).unwrap_or(0.0));
     [z * plane.scales[0], x * plane.scales[1]]
 }
 
 /// Relief and repetitions of a pattern from a line of settings; false if it has none of them.
-pub(super) fn pattern_settings(act: &mut Act<'_, '_>) -> bool {
+pub(super) fn pattern_settings(act: &mut ActionContext<'_, '_>) -> bool {
     let own = [data::TURN_DEPTH_Z, data::TURN_DEPTH_X].map(|id| value(act, id));
     let repeats = value(act, data::TURN_REPEATS);
     let turning = &mut act.channel_mut().state.others.turning;
@@ -73,7 +76,7 @@ pub(super) fn pattern_settings(act: &mut Act<'_, '_>) -> bool {
 }
 
 /// Allowances and repetitions of a pattern; relief of the one-line form is kept like that of settings.
-pub(super) fn pattern(act: &mut Act<'_, '_>, plane: &LathePlane) -> (Spot, f64) {
+pub(super) fn pattern(act: &mut ActionContext<'_, '_>, plane: &LathePlane) -> (Spot, f64) {
     let allowance = allowance(act, plane);
     let relief = [data::TURN_RELIEF_Z, data::TURN_RELIEF_X].map(|id| value(act, id));
     let repeats = value(act, data::TURN_REPEATS);
@@ -86,7 +89,7 @@ pub(super) fn pattern(act: &mut Act<'_, '_>, plane: &LathePlane) -> (Spot, f64) 
 }
 
 /// The way back of pecks from a line of settings; false if the block is more than that.
-pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
+pub(super) fn peck_settings(act: &mut ActionContext<'_, '_>) -> bool {
     let more = act.has_axis_word() || [data::TURN_STEP_X, data::TURN_STEP_Z].iter().any(|id| act.block_has(*id));
     if more {
         return false;
@@ -98,20 +101,20 @@ pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
 }
 
 /// Words of a cycle of pecks besides its end.
-pub(super) struct Pecks {
+pub(super) struct PeckWords {
     /// Along Z and X.
     pub(super) steps: [f64; 2],
     pub(super) relief: f64,
 }
 
 /// The words of pecks.
-pub(super) fn pecks(act: &mut Act<'_, '_>) -> Pecks {
+pub(super) fn pecks(act: &mut ActionContext<'_, '_>) -> PeckWords {
     let steps = [data::TURN_STEP_Z, data::TURN_STEP_X].map(|id| value(act, id).unwrap_or(0.0));
     let relief = value(act, data::TURN_RETRACT).or_else(|| value(act, data::TURN_DEPTH)).unwrap_or(0.0);
-    Pecks { steps, relief }
+    PeckWords { steps, relief }
 }
 
 /// The taper of a single cycle.
-pub(super) fn taper(act: &mut Act<'_, '_>, face: bool) -> Option<f64> {
+pub(super) fn taper(act: &mut ActionContext<'_, '_>, face: bool) -> Option<f64> {
     value(act, if face { data::TURN_TAPER_Z } else { data::TURN_TAPER_X })
 }

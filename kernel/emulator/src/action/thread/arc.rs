@@ -5,18 +5,18 @@
 
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::thread::LeadChange;
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc::PlaneArc;
 use counterpoint_program::block::PendingCode;
 
 use super::Screw;
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::arc as circle;
 use counterpoint_event::event::Position;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::AxisSlot;
 
 /// Cuts one pass along a circle.
-pub(super) fn thread(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode) -> Acted {
+pub(super) fn thread(act: &mut ActionContext<'_, '_>, clockwise: bool, code: &PendingCode) -> Acted {
     let (pitch, _) = super::take_pitch(act);
     // Where one letter is both, it is the centre here (Fanuc K).
     let centers = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
@@ -36,12 +36,12 @@ pub(super) fn thread(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode)
     Ok(())
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// Seconds of a thread along a circle between two axes of its plane.
     pub(in crate::action) fn arc_thread_seconds(
         &mut self,
         to: &Position,
-        (made, axes): (&Arc, [AxisSlot; 2]),
+        (made, axes): (&PlaneArc, [AxisSlot; 2]),
         screw: &Screw,
     ) -> Result<f64, Halt> {
         let named = screw.along.and_then(|axis| axes.iter().position(|own| *own == axis));

@@ -10,10 +10,10 @@ pub(crate) mod cycle;
 
 use counterpoint_motion::thread::Lead;
 
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::state::alarms::NOT_DONE;
-use crate::state::spindle::{Turning, stopped};
+use crate::state::spindle::{SpindleRotation, stopped};
 use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
@@ -29,23 +29,24 @@ use counterpoint_program::block::PendingCode;
 pub(in crate::action) const EVEN: f64 = 1.0 + 1e-6;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
+pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Thread(change) => |act, _row, code| thread(act, change, code))
         .moves()
-        .contour(Contour::Leaves),
-    Entry::of(&[codes::INTERP_THREAD_ARC_CLW], |act, _row, code| arc::thread(act, true, code))
+        .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::INTERP_THREAD_ARC_CLW], |act, _row, code| arc::thread(act, true, code))
         .moves()
-        .contour(Contour::Leaves),
-    Entry::of(&[codes::INTERP_THREAD_ARC_CCLW], |act, _row, code| arc::thread(act, false, code))
+        .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::INTERP_THREAD_ARC_CCLW], |act, _row, code| arc::thread(act, false, code))
         .moves()
-        .contour(Contour::Leaves),
-    Entry::of(&[codes::THREAD_LEAD_X], |act, _, _| lead_along(act, 0)),
-    Entry::of(&[codes::THREAD_LEAD_Z], |act, _, _| lead_along(act, 2)),
-    Entry::of(&[codes::INTERP_THREAD_OFF, codes::THREAD_OFF], |act, _, _| off(act)).contour(Contour::Leaves),
+        .contour(CompensationEffect::Leaves),
+    ActionEntry::of(&[codes::THREAD_LEAD_X], |act, _, _| lead_along(act, 0)),
+    ActionEntry::of(&[codes::THREAD_LEAD_Z], |act, _, _| lead_along(act, 2)),
+    ActionEntry::of(&[codes::INTERP_THREAD_OFF, codes::THREAD_OFF], |act, _, _| off(act))
+        .contour(CompensationEffect::Leaves),
 ];
 
 /// Cuts one pass.
-pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
+pub(super) fn thread(act: &mut ActionContext<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
     let (pitch, sides) = take_pitch(act);
     let by_word = change == LeadChange::None && act.channel().env.machine.threads.changes;
     let change = take_change(act, if by_word { LeadChange::May } else { change }, code.modal);
@@ -69,18 +70,18 @@ pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCo
 }
 
 /// Which axis leads count along, X (0) or Z (2).
-fn lead_along(act: &mut Act<'_, '_>, role: usize) -> Acted {
+fn lead_along(act: &mut ActionContext<'_, '_>, role: usize) -> Acted {
     act.channel_mut().state.threads.along = Some(role);
     Ok(())
 }
 
 /// Ends threads: moves are straight from here on.
-pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn off(act: &mut ActionContext<'_, '_>) -> Acted {
     super::motion::linear(act)
 }
 
 /// The pitch, and the pitches that count along X, Y and Z alone.
-fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
+fn take_pitch(act: &mut ActionContext<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     let pitch = act.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
     if let Some(lead) = pitch {
         act.remember_lead(lead);
@@ -93,7 +94,7 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
 
 /// The pitch along X, Y or Z and its axis. Of several pitches, that of the longest travel counts, and the last one of
 /// equal travels. `None` if no axis with a pitch moves.
-fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
+fn by_axis(act: &ActionContext<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.channel().state.place.changes(&act.channel().state.place.position, target);
     let axes = &act.channel().state.place.layout.cartesian;
     let mut longest = (None, None, 0.0);
@@ -109,7 +110,7 @@ fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Op
 }
 
 /// Change of the pitch with each revolution.
-fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 {
+fn take_change(act: &mut ActionContext<'_, '_>, change: LeadChange, implied: bool) -> f64 {
     let id = data::INTERP_THREAD_PITCH_VAR;
     let said = if change == LeadChange::None { None } else { act.take(id).map(|datum| datum.value) };
     let last = act.channel().state.remembered.value(id).unwrap_or(0.0);
@@ -129,8 +130,8 @@ fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 
 }
 
 /// Number of starts; which of them is cut makes no difference to the move.
-fn take_starts(act: &mut Act<'_, '_>) -> f64 {
-    let take = |act: &mut Act<'_, '_>, id: DataId| act.take(id).map(|datum| datum.value);
+fn take_starts(act: &mut ActionContext<'_, '_>) -> f64 {
+    let take = |act: &mut ActionContext<'_, '_>, id: DataId| act.take(id).map(|datum| datum.value);
     let starts = take(act, data::INTERP_THREAD_STARTS);
     let current = take(act, data::INTERP_THREAD_START_CURRENT);
     let total = take(act, data::INTERP_THREAD_START_TOTAL);
@@ -145,7 +146,7 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
     starts
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// The axis that the program has set for leads, if it moves.
     fn lead_axis(&self, target: &Position) -> Option<AxisSlot> {
         let axis =
@@ -225,9 +226,9 @@ impl Act<'_, '_> {
             return Ok(self.rapid_seconds(&from, target));
         };
         let minutes = |lead: Lead| match turning {
-            Turning::Fixed(rpm) => lead.minutes(way, rpm),
-            Turning::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
-            Turning::Surface(speed) => lead.surface_minutes(
+            SpindleRotation::Fixed(rpm) => lead.minutes(way, rpm),
+            SpindleRotation::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
+            SpindleRotation::Surface(speed) => lead.surface_minutes(
                 way,
                 &speed,
                 self.channel().state.place.radius(&from),

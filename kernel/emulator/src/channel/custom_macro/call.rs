@@ -4,13 +4,13 @@
 
 use counterpoint_fault::Acted;
 
-use super::code_calls::By;
+use super::code_calls::CallingWord;
 use super::modal::ModalCall;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use crate::channel::hook_points::Origin;
-use counterpoint_dialect::{MacroCall, Words};
+use crate::channel::hook_points::BlockOrigin;
+use counterpoint_dialect::{MacroCall, WordHost};
 use counterpoint_fault as diag;
 use counterpoint_program::block::irregular;
 
@@ -36,7 +36,7 @@ impl Kernel<'_> {
             }
             self.check_numbers()?;
         }
-        let mut by: Option<By> = None;
+        let mut by: Option<CallingWord> = None;
         let what = match own {
             Some(call) => {
                 (words.call, by) = (Some(call.how), Some(call.by));
@@ -79,6 +79,6 @@ impl Kernel<'_> {
         }
         // Words before the call act on their own.
         self.categorise();
-        self.codes(Origin::Items)
+        self.codes(BlockOrigin::Items)
     }
 }

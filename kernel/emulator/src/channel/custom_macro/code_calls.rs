@@ -29,7 +29,7 @@ pub(crate) enum WordKind {
 
 /// Which word has called.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct By {
+pub(crate) struct CallingWord {
     pub(crate) kind: WordKind,
     /// Common variable that gets the value of the word.
     pub(crate) variable: Option<u32>,
@@ -42,7 +42,7 @@ pub(crate) struct CodeMacro {
     pub(super) register: RegisterId,
     pub(super) program: u32,
     pub(super) how: MacroCall,
-    pub(super) by: By,
+    pub(super) by: CallingWord,
 }
 
 /// The words of a machine.
@@ -105,12 +105,16 @@ impl Kernel<'_> {
     }
 
     /// The first word that calls a macro, or a subprogram, and may do so here.
-    fn calling_word<'c>(&self, calls: &'c CodeCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
+    fn calling_word<'c>(
+        &self,
+        calls: &'c CodeCalls,
+        arguments: bool,
+    ) -> Option<(usize, &'c WordCall, u32, CallingWord)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
             let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
-            fits.then_some((at, call, program, By { kind, variable: call.variable, value: word.value }))
+            fits.then_some((at, call, program, CallingWord { kind, variable: call.variable, value: word.value }))
         })
     }
 
@@ -134,7 +138,7 @@ impl Kernel<'_> {
     }
 
     /// Hands the value of the word over to the program that it calls.
-    pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
+    pub(crate) fn hand_over(&mut self, by: &CallingWord) -> Acted {
         match by.variable {
             Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
                 NotThere::Halt(halt) => halt,

@@ -7,5 +7,5 @@ mod call;
 mod code_calls;
 mod modal;
 
-pub(crate) use code_calls::{By, CodeCalls, CodeMacro, WordKind};
+pub(crate) use code_calls::{CallingWord, CodeCalls, CodeMacro, WordKind};
 pub(crate) use modal::ModalCalls;

@@ -6,9 +6,9 @@
 //! called it and there is a G66 before that one: then its blocks call the macro of that earlier G66. G67 ends the last
 //! one; subprograms called by M98 continue calling. *Invariant:* a modal call ends with the macro that made it.
 
-use super::code_calls::By;
+use super::code_calls::CallingWord;
 use crate::channel::Kernel;
-use crate::channel::flow::{Callee, Flow, Pending};
+use crate::channel::flow::{Callee, Pending, ProgramFlow};
 use counterpoint_dialect::MacroCall;
 use counterpoint_program::block::{Block, Word};
 
@@ -24,7 +24,7 @@ pub(crate) struct ModalCall {
     /// Macro calls that were running when it was made.
     pub(super) level: usize,
     /// The word that made it, if that calls by itself.
-    pub(super) by: Option<By>,
+    pub(super) by: Option<CallingWord>,
 }
 
 /// The active modal calls, the last one made at the end.
@@ -99,7 +99,7 @@ impl Kernel<'_> {
     }
 }
 
-impl Flow {
+impl ProgramFlow {
     /// Macro calls that are running.
     pub(crate) fn call_level(&self) -> usize {
         self.frames.iter().filter(|frame| frame.own_variables).count()

@@ -4,14 +4,14 @@ use counterpoint_event::FileId;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_program::shape::Range;
+use counterpoint_program::shape::ProgramRange;
 use counterpoint_sync::Letter;
-use counterpoint_sync::order::idle::Program;
-use counterpoint_sync::wait::{Act, Marks};
+use counterpoint_sync::order::idle::StartableProgram;
+use counterpoint_sync::wait::{MarkRange, WaitOp};
 
 use crate::channel::Kernel;
 use counterpoint_dialect::{Coordination, Operands, Signal};
-use counterpoint_waits::{self as waits, Meaning, Statement};
+use counterpoint_waits::{self as waits, Meaning, WaitStatement};
 
 impl Coordination for Kernel<'_> {
     fn coordinates(&self, statement: &str) -> Option<Operands> {
@@ -28,13 +28,13 @@ impl Coordination for Kernel<'_> {
         let channel = self.channel.at.channel;
         let ignores_waits = self.channel.env.options.ignore_waits.contains(&channel);
         match waits::by_statement(self.channel.env.machine, statement, channel, mark, channels) {
-            Ok(Statement::Start(channels)) => self.start(channels),
-            Ok(Statement::Meaning(Meaning::Act(deed, shown))) => self.let_continue(deed, shown),
-            Ok(Statement::Meaning(Meaning::Wait(_))) if ignores_waits => {
+            Ok(WaitStatement::Start(channels)) => self.start(channels),
+            Ok(WaitStatement::Meaning(Meaning::Act(deed, shown))) => self.let_continue(deed, shown),
+            Ok(WaitStatement::Meaning(Meaning::Wait(_))) if ignores_waits => {
                 self.channel.emit(0, Kind::mode("sync passed without waiting"));
                 Ok(())
             }
-            Ok(Statement::Meaning(Meaning::Wait(wait))) => self.wait(wait),
+            Ok(WaitStatement::Meaning(Meaning::Wait(wait))) => self.wait(wait),
             Err(reason) => Err(illegal(self, &reason)),
         }
     }
@@ -51,7 +51,7 @@ impl Coordination for Kernel<'_> {
             Err(reason) => return Err(wrong_signal(self, &reason)),
         };
         let letter = (!signal.values.is_empty()).then(|| signal.values.as_slice().into());
-        self.signal(Act::Signal(send), letter, shown)
+        self.signal(WaitOp::Signal(send), letter, shown)
     }
 
     fn remove_signal(&mut self, statement: &str, signal: &Signal) -> Acted {
@@ -68,9 +68,9 @@ impl Coordination for Kernel<'_> {
             Ok(last) => last,
             Err(reason) => return Err(wrong_signal(self, &reason)),
         };
-        let range = Marks { space: send.key.space, first: send.key.number, last };
+        let range = MarkRange { space: send.key.space, first: send.key.number, last };
         let to = (!send.broadcast).then_some(send.to);
-        self.signal(Act::Remove { range, to }, None, shown)
+        self.signal(WaitOp::Remove { range, to }, None, shown)
     }
 
     fn receive(&mut self, statement: &str, signal: &Signal, waits: bool) -> Result<Option<Vec<(u8, f64)>>, Halt> {
@@ -89,13 +89,13 @@ impl Coordination for Kernel<'_> {
         Ok(letters.map(|letters| values(&letters)))
     }
 
-    fn select(&mut self, channel: i64, name: &str, program: Option<(FileId, Range)>) -> Acted {
+    fn select(&mut self, channel: i64, name: &str, program: Option<(FileId, ProgramRange)>) -> Acted {
         let channel = match waits::known_channel(self.channel.env.machine, channel) {
             Ok(channel) => channel,
             Err(reason) => return Err(illegal(self, &reason)),
         };
         let program =
-            program.map(|(file, range)| Program { file, lines: (range.first, range.last), name: name.into() });
+            program.map(|(file, range)| StartableProgram { file, lines: (range.first, range.last), name: name.into() });
         Kernel::select(self, channel, program)
     }
 }

@@ -4,25 +4,25 @@ use counterpoint_fault::{Acted, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use counterpoint_dialect::{Call, Flow, Loops, Shape};
+use counterpoint_dialect::{FlowHost, LoopStack, NamedContour, SubprogramCall};
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::turning::strip::Strip;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::spot::BlockStart;
 
-impl Flow for Kernel<'_> {
+impl FlowHost for Kernel<'_> {
     fn go_to(&mut self, line: u32) -> Acted {
         self.jump_to_line(line)
     }
 
-    fn go_to_block(&mut self, block: Spot) -> Acted {
+    fn go_to_block(&mut self, block: BlockStart) -> Acted {
         self.jump_to(block)
     }
 
-    fn sequence(&mut self, number: u32) -> Result<Spot, Halt> {
+    fn sequence(&mut self, number: u32) -> Result<BlockStart, Halt> {
         self.find_sequence(number)
     }
 
-    fn after(&self, block: Spot) -> Spot {
+    fn after(&self, block: BlockStart) -> BlockStart {
         Kernel::after(self, block)
     }
 
@@ -30,11 +30,11 @@ impl Flow for Kernel<'_> {
         self.flush_lookahead()
     }
 
-    fn loops(&mut self) -> &mut Loops {
+    fn loops(&mut self) -> &mut LoopStack {
         &mut self.flow.loops
     }
 
-    fn call(&mut self, call: Call) {
+    fn call(&mut self, call: SubprogramCall) {
         self.ask(Pending::CallText(Box::new(call)));
     }
 
@@ -42,11 +42,11 @@ impl Flow for Kernel<'_> {
         self.flow.modal_text = on;
     }
 
-    fn cut_along(&mut self, shape: Shape) {
+    fn cut_along(&mut self, shape: NamedContour) {
         self.channel.state.others.turning.shape = Some(shape);
     }
 
-    fn read_contour(&mut self, call: Call) {
+    fn read_contour(&mut self, call: SubprogramCall) {
         self.ask(Pending::ReadContour(Box::new(call)));
     }
 

@@ -3,11 +3,11 @@
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use crate::state::channel::Channel;
-use crate::state::frames::offsets::{Radii, Table};
+use crate::state::channel::ChannelContext;
+use crate::state::frames::offsets::{OffsetTable, Radii};
 use crate::state::modal::{feed_of, group};
-use crate::state::position::Axis;
-use counterpoint_dialect::{AxisPlace, Frames, Modes};
+use crate::state::position::ChannelAxis;
+use counterpoint_dialect::{AxisPlace, FrameHost, ModalSnapshot};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -39,7 +39,7 @@ impl Kernel<'_> {
     }
 }
 
-impl Frames for Kernel<'_> {
+impl FrameHost for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
         let programmed = self.channel.state.place.programmed();
         let machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
@@ -77,7 +77,7 @@ impl Frames for Kernel<'_> {
         let programmed = self.channel.state.place.programmed();
         let machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let axes = self.channel.state.place.layout.axes.entries();
-        let named = |axis: &Axis| &*self.channel.env.machine.axes[axis.machine].name;
+        let named = |axis: &ChannelAxis| &*self.channel.env.machine.axes[axis.machine].name;
         axes.map(|(slot, axis)| (named(axis), programmed.at(slot), machine.at(slot))).collect()
     }
 
@@ -139,16 +139,16 @@ impl Frames for Kernel<'_> {
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
-        let values = self.channel.offset_values(Table::Work, number);
+        let values = self.channel.offset_values(OffsetTable::Work, number);
         self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
-        let mut offset = self.channel.offset_values(Table::Work, number);
+        let mut offset = self.channel.offset_values(OffsetTable::Work, number);
         for (axis, value) in self.channel.state.place.layout.axes.ids().zip(values) {
             *offset.at_mut(axis) = value * self.program_factor(axis);
         }
-        Kernel::set_offset(self, Table::Work, number, offset)
+        Kernel::set_offset(self, OffsetTable::Work, number, offset)
     }
 
     fn offset_turn(&self, number: u32) -> Option<[f64; 9]> {
@@ -248,14 +248,14 @@ impl Frames for Kernel<'_> {
             return self.channel.set_offset_radius(Radii::Cutter, offset, value);
         }
         let Some(along) = self.along() else { return false };
-        let mut values = self.channel.offset_values(Table::Length, offset);
+        let mut values = self.channel.offset_values(OffsetTable::Length, offset);
         *values.at_mut(along) = value;
-        self.channel.state.place.offsets.get_or_insert_default().store(Table::Length, offset, values)
+        self.channel.state.place.offsets.get_or_insert_default().store(OffsetTable::Length, offset, values)
     }
 
     fn travel(&self, letter: &str) -> Option<(f64, f64)> {
         let axes = &self.channel.env.machine.axes;
-        let is = |axis: &&Axis| axes[axis.machine].letter.eq_ignore_ascii_case(letter);
+        let is = |axis: &&ChannelAxis| axes[axis.machine].letter.eq_ignore_ascii_case(letter);
         self.channel.state.place.layout.axes.iter().find(is)?.limits
     }
 
@@ -269,7 +269,7 @@ impl Frames for Kernel<'_> {
 
     fn wear(&self, offset: u32, of: usize) -> f64 {
         match self.channel.state.place.layout.cartesian.get(of) {
-            Some(axis) => axis.map_or(0.0, |axis| self.channel.offset_values(Table::Wear, offset).at(axis)),
+            Some(axis) => axis.map_or(0.0, |axis| self.channel.offset_values(OffsetTable::Wear, offset).at(axis)),
             None => self.channel.offset_radius(Radii::Wear, offset),
         }
     }
@@ -280,9 +280,9 @@ impl Frames for Kernel<'_> {
             None => return self.channel.set_offset_radius(Radii::Wear, offset, value),
         };
         let Some(axis) = axis else { return false };
-        let mut values = self.channel.offset_values(Table::Wear, offset);
+        let mut values = self.channel.offset_values(OffsetTable::Wear, offset);
         *values.at_mut(axis) = value;
-        Kernel::set_offset(self, Table::Wear, offset, values)
+        Kernel::set_offset(self, OffsetTable::Wear, offset, values)
     }
 
     fn feed(&self) -> f64 {
@@ -294,17 +294,17 @@ impl Frames for Kernel<'_> {
         self.channel.state.modal.has(code)
     }
 
-    fn modes(&self) -> Modes {
-        Modes(self.channel.state.modal.saved())
+    fn modes(&self) -> ModalSnapshot {
+        ModalSnapshot(self.channel.state.modal.saved())
     }
 
-    fn restore_modes(&mut self, modes: &Modes) {
+    fn restore_modes(&mut self, modes: &ModalSnapshot) {
         self.put_modes_back(&modes.0);
     }
 }
 
 /// The axis of the channel that the program calls by a letter.
-fn slot_of(channel: &Channel<'_>, letter: &str) -> Option<AxisSlot> {
+fn slot_of(channel: &ChannelContext<'_>, letter: &str) -> Option<AxisSlot> {
     let machine = &channel.env.machine.axes;
     let mut axes = channel.state.place.layout.axes.entries();
     axes.find(|(_, axis)| machine[axis.machine].letter.eq_ignore_ascii_case(letter)).map(|(slot, _)| slot)

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{Place, Programs};
+use counterpoint_dialect::{ProgramHost, ProgramPlace};
 use counterpoint_event::event::FileId;
 use counterpoint_program::block::Block;
-use counterpoint_program::key_words::Names;
-use counterpoint_program::scan::Scanner;
-use counterpoint_program::shape::Range;
-use counterpoint_program::source::Source;
-use counterpoint_program::spot::Spot;
+use counterpoint_program::key_words::StatementVocabulary;
+use counterpoint_program::scan::LineScanner;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::source::ProgramSource;
+use counterpoint_program::spot::BlockStart;
 
 impl Kernel<'_> {
     /// The scanner for the text of the block in process.
-    fn scanner(&self) -> &Scanner {
+    fn scanner(&self) -> &LineScanner {
         let plan = self.plan;
         if plan.hooks.is_none() {
             return &plan.scanner;
@@ -30,11 +30,11 @@ impl Kernel<'_> {
     }
 }
 
-impl Programs for Kernel<'_> {
-    fn place(&self) -> Place {
+impl ProgramHost for Kernel<'_> {
+    fn place(&self) -> ProgramPlace {
         let frame = self.flow.frames.last();
-        let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        Place {
+        let range = frame.map_or(ProgramRange { number: None, first: 1, last: 0 }, |frame| frame.range);
+        ProgramPlace {
             file: self.channel.at.file,
             line: self.channel.at.line,
             range,
@@ -53,15 +53,15 @@ impl Programs for Kernel<'_> {
         self.flow.level()
     }
 
-    fn spot(&self) -> Spot {
+    fn spot(&self) -> BlockStart {
         Kernel::spot(self)
     }
 
-    fn program(&self) -> Option<(FileId, Range)> {
+    fn program(&self) -> Option<(FileId, ProgramRange)> {
         self.flow.frames.last().map(|frame| (frame.file, frame.range))
     }
 
-    fn callers(&self) -> Vec<(FileId, Range)> {
+    fn callers(&self) -> Vec<(FileId, ProgramRange)> {
         self.flow.frames.iter().rev().map(|frame| (frame.file, frame.range)).collect()
     }
 
@@ -69,7 +69,7 @@ impl Programs for Kernel<'_> {
         self.channel.env.whole.components.len() > 1
     }
 
-    fn source(&self, file: FileId) -> Option<Arc<Source>> {
+    fn source(&self, file: FileId) -> Option<Arc<ProgramSource>> {
         self.channel.env.sources.shared(file)
     }
 
@@ -112,11 +112,11 @@ impl Programs for Kernel<'_> {
         }
     }
 
-    fn names(&self) -> Names<'_> {
+    fn names(&self) -> StatementVocabulary<'_> {
         self.scanner().names()
     }
 
-    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], Names<'_>)) {
+    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], StatementVocabulary<'_>)) {
         let (plan, switched) = (self.plan, self.macros.reading.switched.clone());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), Block::default());

@@ -2,23 +2,23 @@
 
 use std::sync::Arc;
 
-use counterpoint_fault::{Acted, Facts, Halt};
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use counterpoint_dialect::{Report, Unknown};
-use counterpoint_event::event::{Kind, Message};
+use counterpoint_dialect::{ReportHost, Unknown};
+use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault as diag;
-use counterpoint_machine::model::Output;
-use counterpoint_sync::races::Mode;
+use counterpoint_machine::model::PrintFileFormat;
+use counterpoint_sync::races::AccessMode;
 
-impl Report for Kernel<'_> {
+impl ReportHost for Kernel<'_> {
     fn show(&mut self, text: &str) {
         self.display(text);
     }
 
     fn log_message(&mut self, text: &str) {
-        self.channel.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+        self.channel.emit(0, Kind::Message(OperatorMessage { text: text.into(), printed: false }));
     }
 
     fn handles_messages(&self, text: &[u8]) -> bool {
@@ -39,24 +39,24 @@ impl Report for Kernel<'_> {
         Ok(())
     }
 
-    fn diagnose(&mut self, facts: &'static Facts, text: String) {
+    fn diagnose(&mut self, facts: &'static DiagnosticFacts, text: String) {
         let unknown = facts.number == diag::NOT_RECOGNISED.number && self.channel.env.machine.habits.unknown_alarms;
         Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
-    fn report(&mut self, facts: &'static Facts, severity: u8, text: String) {
-        Kernel::diagnose(self, &Facts { severity, ..*facts }, text);
+    fn report(&mut self, facts: &'static DiagnosticFacts, severity: u8, text: String) {
+        Kernel::diagnose(self, &DiagnosticFacts { severity, ..*facts }, text);
     }
 
-    fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
+    fn alarm(&mut self, facts: &'static DiagnosticFacts, text: String) -> Halt {
         Kernel::alarm(self, facts, text)
     }
 
-    fn continues_after(&self, facts: &'static Facts) -> bool {
+    fn continues_after(&self, facts: &'static DiagnosticFacts) -> bool {
         !self.channel.env.machine.stops_at(facts)
     }
 
-    fn output(&self) -> &Output {
+    fn output(&self) -> &PrintFileFormat {
         &self.channel.env.machine.output
     }
 
@@ -76,7 +76,9 @@ impl Report for Kernel<'_> {
             self.diagnose(&diag::PRINT_CLOSED, text);
         }
         self.flow.pass.effects = true;
-        if let Err(text) = self.access(Door::File, Mode::Write, |shared| shared.files.print(&output.file, line))? {
+        if let Err(text) =
+            self.access(Door::File, AccessMode::Write, |shared| shared.files.print(&output.file, line))?
+        {
             self.diagnose(&diag::MACRO_FILES, text);
         }
         Ok(())
@@ -84,7 +86,7 @@ impl Report for Kernel<'_> {
 
     fn append(&mut self, path: &str, text: &str) -> Result<bool, Halt> {
         self.flow.pass.effects = true;
-        let done = self.access(Door::File, Mode::Write, |shared| shared.files.print(path, text))?;
+        let done = self.access(Door::File, AccessMode::Write, |shared| shared.files.print(path, text))?;
         if let Err(text) = &done {
             self.diagnose(&diag::MACRO_FILES, text.clone());
         }
@@ -92,15 +94,15 @@ impl Report for Kernel<'_> {
     }
 
     fn has_written(&mut self, path: &str) -> Result<Option<bool>, Halt> {
-        self.access(Door::File, Mode::Read, |shared| shared.files.has(path))
+        self.access(Door::File, AccessMode::Read, |shared| shared.files.has(path))
     }
 
     fn written(&mut self, path: &str) -> Result<Option<Arc<str>>, Halt> {
-        self.access(Door::File, Mode::Read, |shared| shared.files.get(path).flatten())
+        self.access(Door::File, AccessMode::Read, |shared| shared.files.get(path).flatten())
     }
 
     fn remove_written(&mut self, path: &str) -> Acted {
         self.flow.pass.effects = true;
-        self.access(Door::File, Mode::Write, |shared| shared.files.remove(path))
+        self.access(Door::File, AccessMode::Write, |shared| shared.files.remove(path))
     }
 }

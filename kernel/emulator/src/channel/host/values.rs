@@ -1,27 +1,27 @@
 //! Variables of the kernel and of the machine for the interpreter.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use counterpoint_dialect::{Answer, NotThere, Values};
+use counterpoint_dialect::{IdentificationAnswer, NotThere, ValueHost};
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_sync::races::Mode;
+use counterpoint_sync::races::AccessMode;
 
-impl Values for Kernel<'_> {
-    fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
-        self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).cloned())
+impl ValueHost for Kernel<'_> {
+    fn shared(&mut self, name: &str) -> Result<Option<MacroValue>, Halt> {
+        self.access(Door::Named(name), AccessMode::Read, |shared| shared.named.get(name).cloned())
     }
 
     fn shared_number(&mut self, name: &str) -> Result<Option<f64>, Halt> {
-        self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).and_then(Value::as_real))
+        self.access(Door::Named(name), AccessMode::Read, |shared| shared.named.get(name).and_then(MacroValue::as_real))
     }
 
-    fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
+    fn set_shared(&mut self, name: &str, value: Option<MacroValue>) -> Acted {
         let limit = self.channel.env.shares().common;
-        let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
-        let over = self.access(Door::Named(name), Mode::Write, |shared| match value {
+        let growth = name.len() + 200 + value.as_ref().and_then(MacroValue::as_text).map_or(0, str::len);
+        let over = self.access(Door::Named(name), AccessMode::Write, |shared| match value {
             Some(value) => {
                 match shared.named.get_mut(name) {
                     Some(place) => *place = value,
@@ -75,8 +75,8 @@ impl Values for Kernel<'_> {
         self.macros.ready(Hook::Identification).is_some()
     }
 
-    fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
-        let Some(code) = self.macros.ready(Hook::Identification) else { return Ok(Answer::Unknown) };
-        self.ask_identification(code, text, assigned.cloned().unwrap_or(Value::Null))
+    fn identify(&mut self, text: &str, assigned: Option<&MacroValue>) -> Result<IdentificationAnswer, Halt> {
+        let Some(code) = self.macros.ready(Hook::Identification) else { return Ok(IdentificationAnswer::Unknown) };
+        self.ask_identification(code, text, assigned.cloned().unwrap_or(MacroValue::Null))
     }
 }

@@ -1,15 +1,15 @@
 //! Words of the machine for the interpreter.
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{MadeWord, Words};
-use counterpoint_event::info::Unit;
+use counterpoint_dialect::{MadeWord, WordHost};
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_machine::number::{shortest, written};
 use counterpoint_program::block::{Block, Word, irregular};
-use counterpoint_program::key_words::Number;
+use counterpoint_program::key_words::WrittenNumber;
 
-impl Words for Kernel<'_> {
+impl WordHost for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
         self.plan.names.is_register(name)
     }
@@ -44,13 +44,13 @@ impl Words for Kernel<'_> {
     }
 
     fn is_inch(&self) -> bool {
-        (self.channel.env.machine.unit == Unit::Inch) != self.channel.state.secondary
+        (self.channel.env.machine.unit == MachineUnit::Inch) != self.channel.state.secondary
     }
 
     fn length_factor(&self) -> f64 {
         match (self.channel.env.machine.unit, self.channel.state.secondary) {
-            (Unit::Mm, true) => 25.4,
-            (Unit::Inch, true) => 1.0 / 25.4,
+            (MachineUnit::Mm, true) => 25.4,
+            (MachineUnit::Inch, true) => 1.0 / 25.4,
             (_, false) => 1.0,
         }
     }
@@ -92,7 +92,7 @@ impl Words for Kernel<'_> {
         Some(if self.channel.state.secondary { secondary } else { primary })
     }
 
-    fn read(&mut self, register: RegisterId, number: Number) -> f64 {
+    fn read(&mut self, register: RegisterId, number: WrittenNumber) -> f64 {
         let (value, irregular) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         self.channel.block.flags.irregular |= irregular;
         value
@@ -121,7 +121,7 @@ impl Words for Kernel<'_> {
             Some(number) => self.read(register, number),
             None => {
                 // Its size and its sign count; no point was written.
-                let number = Number { value, point: true, digits: 0, fraction: 0 };
+                let number = WrittenNumber { value, point: true, digits: 0, fraction: 0 };
                 let (_, bits) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
                 self.channel.block.flags.irregular |= bits & !irregular::POINT;
                 value

@@ -4,35 +4,35 @@
 //! Facts: reference system-variables.md.
 
 use counterpoint_lang::ident::minor_code;
-use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::value::{MacroValue, ValueType};
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::channel::components::Component;
+use crate::channel::components::PreparedComponent;
 
-fn nth<'k>(kernel: &Kernel<'k>, at: &[i64]) -> Option<&'k Component<'k>> {
+fn nth<'k>(kernel: &Kernel<'k>, at: &[i64]) -> Option<&'k PreparedComponent<'k>> {
     let place = at.first().copied().and_then(|at| usize::try_from(at).ok()).and_then(|at| at.checked_sub(1))?;
     kernel.components.all.get(place)
 }
 
-fn designator(component: Option<&Component<'_>>) -> Value {
-    Value::text(component.map_or("", |component| component.designator))
+fn designator(component: Option<&PreparedComponent<'_>>) -> MacroValue {
+    MacroValue::text(component.map_or("", |component| component.designator))
 }
 
-fn name(component: Option<&Component<'_>>) -> Value {
-    Value::text(component.map_or("", |component| component.name))
+fn name(component: Option<&PreparedComponent<'_>>) -> MacroValue {
+    MacroValue::text(component.map_or("", |component| component.name))
 }
 
 /// How a variable is read.
 pub(crate) fn find(name_of: &str) -> Option<(Read, Option<Write>)> {
     let read: Read = match name_of {
-        "$CPPCNT" => |kernel, _| Value::Real(kernel.components.all.len() as f64),
+        "$CPPCNT" => |kernel, _| MacroValue::Real(kernel.components.all.len() as f64),
         "$CPPADS" => |kernel, at| designator(nth(kernel, at)),
         "$CPPANM" => |kernel, at| name(nth(kernel, at)),
         "$CPPDES" => |kernel, _| {
             let current = kernel.components.current();
             let code = current.and_then(|component| minor_code(component.designator));
-            code.map_or(Kind::Keyword.initial(), Value::Keyword)
+            code.map_or(ValueType::Keyword.initial(), MacroValue::Keyword)
         },
         "$CPPNAM" => |kernel, _| name(kernel.components.current()),
         "$CPPPDS" => |kernel, _| designator(kernel.components.previous()),

@@ -2,10 +2,10 @@
 //!
 //! *Invariant:* a value that a macro sets makes no event. Facts: reference system-variables.md 6.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident::minor_code;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
@@ -13,17 +13,17 @@ use crate::state::coolant::code_of;
 use crate::state::modal::group;
 use counterpoint_event::event::{Coolant, Outlet};
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::coolant::Switch;
+use counterpoint_machine::ident::kind::coolant::CoolantTarget;
 use counterpoint_machine::ident::{CodeId, codes};
 
 /// Modal group of the first coolant device, less one.
 const DEVICES: u16 = 540;
 
-fn number(value: impl Into<f64>) -> Value {
-    Value::Real(value.into())
+fn number(value: impl Into<f64>) -> MacroValue {
+    MacroValue::Real(value.into())
 }
 
-fn real(value: &Value) -> f64 {
+fn real(value: &MacroValue) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
@@ -46,38 +46,38 @@ fn set_fluid(kernel: &mut Kernel<'_>, fluid: u8) -> Outcome<()> {
             kernel.channel.state.others.coolant.note(fluid, outlet);
             Ok(())
         }
-        None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this coolant")),
+        None => Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "the machine has no code for this coolant")),
     }
 }
 
 /// `$COOLNT`: a keyword; a coolant of the machine's own has none, so it is its number.
-fn name(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn name(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let fluid = fluid(kernel);
     let word = match fluid {
         0 => Some("OFF".to_owned()),
         1..=4 => Coolant::FLUIDS.get(usize::from(fluid)).map(|word| word.to_uppercase()),
         _ => None,
     };
-    word.and_then(|word| minor_code(&word)).map_or(number(fluid), Value::Keyword)
+    word.and_then(|word| minor_code(&word)).map_or(number(fluid), MacroValue::Keyword)
 }
 
-fn set_name(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let is = |word: &str| matches!(value, Value::Keyword(code) if minor_code(word) == Some(*code));
+fn set_name(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
+    let is = |word: &str| matches!(value, MacroValue::Keyword(code) if minor_code(word) == Some(*code));
     let named = (0_u8..).zip(["OFF", "FLOOD", "MIST", "TAPKUL", "THRU"]).find(|(_, word)| is(word));
     let given = value.as_real().filter(|number| (5.0..=9.0).contains(number) && number.fract() == 0.0);
     match named.map(|(number, _)| number).or(given.map(|number| number as u8)) {
         Some(fluid) => set_fluid(kernel, fluid),
-        None => Err(Fault::new(Number::BAD_VALUE, "unknown coolant")),
+        None => Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "unknown coolant")),
     }
 }
 
 /// The code of a coolant device; custom tables of a machine need not have it.
 fn device(at: &[i64], on: bool) -> Option<CodeId> {
     let number = u8::try_from(*at.first()?).ok()?;
-    CodeId::of_kind(CodeKind::Coolant(Switch::Device(number, on)))
+    CodeId::of_kind(CodeKind::Coolant(CoolantTarget::Device(number, on)))
 }
 
-fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
+fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> MacroValue {
     let group = at.first().and_then(|at| u16::try_from(*at).ok()).map_or(0, |at| DEVICES + at);
     let active = kernel.channel.state.modal.code(group);
     number(match active {
@@ -87,7 +87,7 @@ fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
     })
 }
 
-fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &MacroValue) -> Outcome<()> {
     let wanted = match real(value) {
         0.0 => device(at, false),
         1.0 => device(at, true),
@@ -98,7 +98,10 @@ fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()>
             kernel.activate_code(code);
             Ok(())
         }
-        None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this state of the coolant device")),
+        None => Err(MacroFault::new(
+            DiagnosticNumber::BAD_VALUE,
+            "the machine has no code for this state of the coolant device",
+        )),
     }
 }
 
@@ -122,7 +125,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 let largest = k.channel.state.others.coolant.largest(&k.channel.env.machine.pump);
                 let wanted = real(value);
                 if wanted < 0.0 || largest > 0.0 && wanted > largest {
-                    return Err(Fault::new(Number::BAD_VALUE, "this coolant pressure is not possible"));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "this coolant pressure is not possible"));
                 }
                 k.channel.state.others.coolant.pressure = wanted;
                 Ok(())

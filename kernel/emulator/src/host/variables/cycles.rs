@@ -4,22 +4,22 @@
 //! system-variables.md 8.
 
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::state::cycle::{Cycle, Height};
 use crate::state::modal::group;
 use counterpoint_event::event::FeedUnit;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;
 
-fn optional(value: Option<f64>) -> Value {
-    value.map_or(Value::Null, Value::Real)
+fn optional(value: Option<f64>) -> MacroValue {
+    value.map_or(MacroValue::Null, MacroValue::Real)
 }
 
-fn height(value: Option<Height>) -> Value {
-    Value::Real(value.map_or(0.0, |height| height.value))
+fn height(value: Option<Height>) -> MacroValue {
+    MacroValue::Real(value.map_or(0.0, |height| height.value))
 }
 
 /// Sets a datum of the running cycle, or of the next one.
@@ -31,16 +31,16 @@ fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Cycle)) -> Outcome<()> 
 }
 
 /// A number that is set; anything else counts as none.
-fn real(value: &Value) -> Option<f64> {
+fn real(value: &MacroValue) -> Option<f64> {
     value.as_real().filter(|number| number.is_finite())
 }
 
-fn number(value: &Value) -> f64 {
+fn number(value: &MacroValue) -> f64 {
     real(value).unwrap_or(0.0)
 }
 
 /// The changed height; it remains a position or a distance.
-fn changed(old: Option<Height>, value: &Value) -> Option<Height> {
+fn changed(old: Option<Height>, value: &MacroValue) -> Option<Height> {
     let relative = old.is_some_and(|height| height.relative);
     real(value).map(|value| Height { value, relative })
 }
@@ -60,7 +60,7 @@ fn shift<const AT: usize>() -> (Read, Option<Write>) {
 
 fn dwell<const AT: usize>() -> (Read, Option<Write>) {
     (
-        |k, _| Value::Real(k.channel.state.cycle.rates.dwell.get(AT).copied().unwrap_or(0.0)),
+        |k, _| MacroValue::Real(k.channel.state.cycle.rates.dwell.get(AT).copied().unwrap_or(0.0)),
         Some(|k, _, value| {
             set(k, |cycle| {
                 if let Some(slot) = cycle.rates.dwell.get_mut(AT) {
@@ -72,10 +72,10 @@ fn dwell<const AT: usize>() -> (Read, Option<Write>) {
 }
 
 /// `$CYFEDT`: 1 and 2 inches per minute and revolution, 3 and 4 millimetres.
-fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let per_revolution = kernel.channel.state.cycle.rates.feed.1 == FeedUnit::PerRevolution;
-    let inch = kernel.channel.env.machine.unit == Unit::Inch;
-    Value::Real(match (inch, per_revolution) {
+    let inch = kernel.channel.env.machine.unit == MachineUnit::Inch;
+    MacroValue::Real(match (inch, per_revolution) {
         (true, false) => 1.0,
         (true, true) => 2.0,
         (false, false) => 3.0,
@@ -84,22 +84,22 @@ fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 }
 
 /// 5 and 6 are in the unit of the machine.
-fn set_feed_kind(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_feed_kind(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let per_revolution = [2.0, 4.0, 6.0].contains(&number(value));
     set(kernel, |cycle| {
         cycle.rates.feed.1 = if per_revolution { FeedUnit::PerRevolution } else { FeedUnit::PerMinute };
     })
 }
 
-fn retract_mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    Value::Real(match kernel.channel.state.modal.code(group::RETRACT) {
+fn retract_mode(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
+    MacroValue::Real(match kernel.channel.state.modal.code(group::RETRACT) {
         Some(codes::CYCLE_RETRACT_INITIAL) => 0.0,
         Some(codes::CYCLE_RETRACT_R) => 1.0,
         _ => -1.0,
     })
 }
 
-fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let stays = number(value) >= 1.0;
     kernel.activate_code(if stays { codes::CYCLE_RETRACT_R } else { codes::CYCLE_RETRACT_INITIAL });
     Ok(())
@@ -109,11 +109,11 @@ fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcom
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$CYTYPE" => (
-            |k, _| Value::Real(k.channel.state.cycle.number),
+            |k, _| MacroValue::Real(k.channel.state.cycle.number),
             Some(|k, _, value| set(k, |cycle| cycle.number = number(value))),
         ),
         "$CYMCH" => (
-            |k, _| Value::Logical(k.channel.state.cycle.running),
+            |k, _| MacroValue::Logical(k.channel.state.cycle.running),
             Some(|k, _, value| {
                 k.channel.state.cycle.running = value.as_logical() == Some(true);
                 Ok(())
@@ -133,7 +133,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set(k, |cycle| cycle.heights.retract = changed(cycle.heights.retract, value))),
         ),
         "$CYCLRO" => (
-            |k, _| Value::Real(k.channel.state.cycle.boring.shift),
+            |k, _| MacroValue::Real(k.channel.state.cycle.boring.shift),
             Some(|k, _, value| set(k, |cycle| cycle.boring.shift = number(value))),
         ),
         "$CYCLRX" => shift::<0>(),
@@ -144,11 +144,11 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set(k, |cycle| cycle.pecks.first = real(value).map(f64::abs))),
         ),
         "$CYDECR" => (
-            |k, _| Value::Real(k.channel.state.cycle.pecks.decrement),
+            |k, _| MacroValue::Real(k.channel.state.cycle.pecks.decrement),
             Some(|k, _, value| set(k, |cycle| cycle.pecks.decrement = number(value).abs())),
         ),
         "$CYMIN" => (
-            |k, _| Value::Real(k.channel.state.cycle.pecks.least),
+            |k, _| MacroValue::Real(k.channel.state.cycle.pecks.least),
             Some(|k, _, value| set(k, |cycle| cycle.pecks.least = number(value).max(0.0))),
         ),
         "$CYDWEL" => dwell::<0>(),
@@ -156,22 +156,22 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$CYDWLT" => dwell::<2>(),
         "$CYFEDT" => (feed_kind, Some(set_feed_kind)),
         "$CYFEDV" => (
-            |k, _| Value::Real(k.channel.state.cycle.rates.feed.0.unwrap_or(0.0)),
+            |k, _| MacroValue::Real(k.channel.state.cycle.rates.feed.0.unwrap_or(0.0)),
             Some(|k, _, value| set(k, |cycle| (cycle.rates.feed.0, cycle.rates.own_feed) = (real(value), true))),
         ),
         "$CYORNT" => (
-            |k, _| Value::Real(k.channel.state.cycle.boring.orient),
+            |k, _| MacroValue::Real(k.channel.state.cycle.boring.orient),
             Some(|k, _, value| set(k, |cycle| cycle.boring.orient = number(value))),
         ),
         "$CYRATIO" => (
-            |k, _| Value::Real(k.channel.state.cycle.rates.ratio),
+            |k, _| MacroValue::Real(k.channel.state.cycle.rates.ratio),
             Some(|k, _, value| set(k, |cycle| cycle.rates.ratio = real(value).filter(|n| *n > 0.0).unwrap_or(1.0))),
         ),
         "$CYRIGID" => (
-            |k, _| Value::Real(k.channel.state.cycle.rigid),
+            |k, _| MacroValue::Real(k.channel.state.cycle.rigid),
             Some(|k, _, value| set(k, |cycle| cycle.rigid = number(value))),
         ),
-        "$CYDIR" => (|k, _| Value::Real(k.channel.state.cycle.direction), None),
+        "$CYDIR" => (|k, _| MacroValue::Real(k.channel.state.cycle.direction), None),
         _ => return None,
     };
     Some(row)

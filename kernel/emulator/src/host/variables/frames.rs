@@ -3,17 +3,17 @@
 //! Facts: reference system-variables.md 12. `$LCS` switches the programmed parts off and on; `$LCSMTN` is −1, since
 //! frames never move rotary axes here.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write, positions};
 use crate::channel::Kernel;
-use crate::state::frames::Frames;
+use crate::state::frames::FrameTransforms;
 use counterpoint_motion::frame::affine::Affine;
-use counterpoint_motion::frame::local::Refused;
+use counterpoint_motion::frame::local::FrameError;
 
-fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
+fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&FrameTransforms) -> T) -> Option<T> {
     kernel.channel.state.place.frames.as_deref().map(of)
 }
 
@@ -21,7 +21,7 @@ fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$LCS" => (
-            |k, _| Value::Logical(local(k, Frames::is_on).unwrap_or(false)),
+            |k, _| MacroValue::Logical(local(k, FrameTransforms::is_on).unwrap_or(false)),
             Some(|k, _, value| {
                 let on = value.as_logical().unwrap_or(true);
                 let has = k.channel.state.place.has_axes();
@@ -30,33 +30,35 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 changed(k, switched)
             }),
         ),
-        "$LCSM" => (|k, _| Value::Logical(local(k, Frames::changes_points).unwrap_or(false)), None),
-        "$LCSTRA" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().translation), None),
-        "$LCSROT" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().rotation), None),
-        "$LCSSCA" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().scale), None),
-        "$LCSMIR" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().mirror), None),
-        "$LCSCEN" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().center), None),
-        "$LCSANG" => (|k, _| Value::Real(k.channel.state.place.frame_values().angle), None),
-        "$LCSORD" => (|k, _| Value::text(k.channel.state.place.frame_values().order), None),
+        "$LCSM" => (|k, _| MacroValue::Logical(local(k, FrameTransforms::changes_points).unwrap_or(false)), None),
+        "$LCSTRA" => (|k, _| MacroValue::numbers(&k.channel.state.place.frame_values().translation), None),
+        "$LCSROT" => (|k, _| MacroValue::numbers(&k.channel.state.place.frame_values().rotation), None),
+        "$LCSSCA" => (|k, _| MacroValue::numbers(&k.channel.state.place.frame_values().scale), None),
+        "$LCSMIR" => (|k, _| MacroValue::numbers(&k.channel.state.place.frame_values().mirror), None),
+        "$LCSCEN" => (|k, _| MacroValue::numbers(&k.channel.state.place.frame_values().center), None),
+        "$LCSANG" => (|k, _| MacroValue::Real(k.channel.state.place.frame_values().angle), None),
+        "$LCSORD" => (|k, _| MacroValue::text(k.channel.state.place.frame_values().order), None),
         "$LCSMX" => (
-            |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
+            |k, _| MacroValue::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
             None,
         ),
         "$C2PMCH" => {
-            (|k, _| Value::Logical(k.channel.state.place.polar().is_some_and(|polar| !polar.is_cylinder())), None)
+            (|k, _| MacroValue::Logical(k.channel.state.place.polar().is_some_and(|polar| !polar.is_cylinder())), None)
         }
         "$AXESC2P" => (
             |k, _| {
                 let polar = k.channel.state.place.polar().filter(|polar| !polar.is_cylinder());
                 let letters = polar
                     .map(|polar| polar.axes().map(|axis| positions::axis_letter(&k.channel.state.place, Some(axis))));
-                Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
+                MacroValue::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
             },
             None,
         ),
         "$LCSMTN" => (
-            |_, _| Value::Real(-1.0),
-            Some(|_, _, _| Err(Fault::new(Number::BAD_VALUE, "frames cannot move the rotary axes of this machine"))),
+            |_, _| MacroValue::Real(-1.0),
+            Some(|_, _, _| {
+                Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "frames cannot move the rotary axes of this machine"))
+            }),
         ),
         _ => return None,
     };
@@ -64,39 +66,39 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
 }
 
 /// The frame may have changed; a macro learns why it has not.
-fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
+fn changed(kernel: &mut Kernel<'_>, made: Result<(), FrameError>) -> Outcome<()> {
     kernel.channel.state.place.frames_changed();
     made.map_err(|refused| {
         let why = match refused {
-            Refused::NoWayBack => "the frame has no inverse",
-            Refused::MissingAxis => "the frame would move an axis that the channel does not have",
-            Refused::TooMany => "the frame has too many parts",
+            FrameError::NoWayBack => "the frame has no inverse",
+            FrameError::MissingAxis => "the frame would move an axis that the channel does not have",
+            FrameError::TooMany => "the frame has too many parts",
         };
-        Fault::new(Number::BAD_VECTOR, why)
+        MacroFault::new(DiagnosticNumber::BAD_VECTOR, why)
     })
 }
 
 impl Kernel<'_> {
     /// `$FMSLCS`: a frame of twelve numbers outside the programmed one, none without them.
-    pub(in crate::host) fn give_frame(&mut self, arguments: &[Value]) -> Outcome<Value> {
+    pub(in crate::host) fn give_frame(&mut self, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         let given = match arguments.first() {
             None => None,
-            Some(Value::Sequence(values)) => {
+            Some(MacroValue::Sequence(values)) => {
                 let mut cells = [0.0; 12];
                 if values.len() != cells.len() {
-                    return Err(Fault::new(Number::BAD_VECTOR, "a frame has 12 numbers"));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_VECTOR, "a frame has 12 numbers"));
                 }
                 for (slot, value) in cells.iter_mut().zip(values.iter()) {
-                    *slot = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
+                    *slot = value.as_real().ok_or_else(|| MacroFault::kind("a number", value))?;
                 }
                 let map = Affine::of_cells(cells);
-                Some(map.ok_or_else(|| Fault::new(Number::BAD_VECTOR, "a frame has 12 finite numbers"))?)
+                Some(map.ok_or_else(|| MacroFault::new(DiagnosticNumber::BAD_VECTOR, "a frame has 12 finite numbers"))?)
             }
-            Some(value) => return Err(Fault::kind("a sequence", value)),
+            Some(value) => return Err(MacroFault::kind("a sequence", value)),
         };
         let has = self.channel.state.place.has_axes();
         let made = self.channel.state.place.frames().local.give(given, has);
         changed(self, made)?;
-        Ok(Value::Real(1.0))
+        Ok(MacroValue::Real(1.0))
     }
 }

@@ -4,9 +4,9 @@
 //! *Invariant:* there is one truth, the program of each kernel; an index of a file is another way to say it, so that
 //! the later assignment wins. Facts: reference system-variables.md 17.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
@@ -15,8 +15,8 @@ use crate::macros::store::names;
 /// Characters of a kernel's name in diagnostics.
 const MOST_NAME: usize = 80;
 
-fn number(value: impl Into<f64>) -> Value {
-    Value::Real(value.into())
+fn number(value: impl Into<f64>) -> MacroValue {
+    MacroValue::Real(value.into())
 }
 
 fn index(at: &[i64]) -> i64 {
@@ -34,7 +34,7 @@ fn file<'k>(kernel: &Kernel<'k>, at: i64) -> &'k str {
 /// Program of a kernel as it is now.
 fn program(kernel: &Kernel<'_>, at: i64) -> String {
     let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
-    if let Some(text) = set.and_then(Value::as_text) {
+    if let Some(text) = set.and_then(MacroValue::as_text) {
         return text.trim().to_owned();
     }
     let place = usize::try_from(at).ok().and_then(|at| at.checked_sub(1));
@@ -64,32 +64,32 @@ fn input_of(kernel: &Kernel<'_>, at: i64) -> i64 {
 }
 
 fn set_program(kernel: &mut Kernel<'_>, at: i64, program: &str) -> Outcome<()> {
-    let value = Value::text(program);
+    let value = MacroValue::text(program);
     kernel.macros.variables.store.keep_element(names().kernel_program, (at, 0), value)
 }
 
-fn whole(value: &Value, what: &str) -> Outcome<i64> {
+fn whole(value: &MacroValue, what: &str) -> Outcome<i64> {
     match value.as_real().filter(|n| n.fract() == 0.0 && (0.0..=65_535.0).contains(n)) {
         Some(number) => Ok(number as i64),
-        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("no {what} with this number"))),
+        None => Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, format!("no {what} with this number"))),
     }
 }
 
-fn set_input(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+fn set_input(kernel: &mut Kernel<'_>, at: &[i64], value: &MacroValue) -> Outcome<()> {
     let wanted = whole(value, "input file")?;
     let program = file(kernel, wanted).to_owned();
     if wanted > 0 && program.is_empty() {
-        return Err(Fault::new(Number::OUT_OF_RANGE, format!("input file {wanted} not found")));
+        return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, format!("input file {wanted} not found")));
     }
     set_program(kernel, index(at), &program)
 }
 
-fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &MacroValue) -> Outcome<()> {
     let wanted = whole(value, "kernel")?;
     let own = file(kernel, index(at)).to_owned();
     if own.is_empty() || wanted > kernels(kernel) {
         let text = format!("kernel {wanted} or input file {} not found", index(at));
-        return Err(Fault::new(Number::OUT_OF_RANGE, text));
+        return Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, text));
     }
     match wanted {
         0 => match kernel_of(kernel, index(at)) {
@@ -103,10 +103,10 @@ fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()>
 /// Channel of the model that a kernel starts on.
 pub(crate) fn channel_of(kernel: &Kernel<'_>, at: i64) -> f64 {
     let set = kernel.macros.variables.store.element(names().kernel_channel, (at, 0));
-    set.and_then(Value::as_real).unwrap_or(at as f64)
+    set.and_then(MacroValue::as_real).unwrap_or(at as f64)
 }
 
-fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &Value) -> Outcome<()> {
+fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &MacroValue) -> Outcome<()> {
     let wanted = whole(value, "channel")?;
     kernel.macros.variables.store.keep_element(names().kernel_channel, (at, 0), number(wanted as f64))
 }
@@ -118,16 +118,16 @@ impl Kernel<'_> {
             return;
         }
         let store = &mut self.macros.variables.store;
-        store.set_element(names().kernel_program, (at, 0), Value::text(program));
-        store.set_element(names().kernel_channel, (at, 0), Value::Real(channel));
-        store.set_element(names().kernel_name, (at, 0), Value::text(name));
+        store.set_element(names().kernel_program, (at, 0), MacroValue::text(program));
+        store.set_element(names().kernel_channel, (at, 0), MacroValue::Real(channel));
+        store.set_element(names().kernel_name, (at, 0), MacroValue::text(name));
     }
 
     /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; otherwise blank.
     pub(crate) fn kernel_name(&self) -> String {
         let at = (i64::from(self.channel.env.kernel_number(self.channel.at.channel)), 0);
         let set = self.macros.variables.store.element(names().kernel_name, at);
-        let set = set.and_then(Value::as_text).unwrap_or("").trim();
+        let set = set.and_then(MacroValue::as_text).unwrap_or("").trim();
         let own =
             self.channel.env.info.channel(self.channel.at.channel).map_or("MASTER", |channel| channel.name.as_str());
         if set == own || self.channel.env.machine.channels.len() < 2 {
@@ -146,13 +146,13 @@ impl Kernel<'_> {
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$MCEMCD" => (
-            |k, at| Value::text(program(k, index(at))),
+            |k, at| MacroValue::text(program(k, index(at))),
             Some(|k, at, value| set_program(k, index(at), value.as_text().unwrap_or(""))),
         ),
         "$MCEINP" => (|k, at| number(input_of(k, index(at)) as f64), Some(set_input)),
         "$MFIKER" => (|k, at| number(kernel_of(k, index(at)) as f64), Some(set_kernel)),
         "$MCECHN" => {
-            (|k, at| Value::Real(channel_of(k, index(at))), Some(|k, at, value| set_channel(k, index(at), value)))
+            (|k, at| MacroValue::Real(channel_of(k, index(at))), Some(|k, at, value| set_channel(k, index(at), value)))
         }
         "$VMCHN" => (
             |k, _| {
@@ -161,7 +161,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     if k.channel.at.channel == 0 {
                         number(0)
                     } else {
-                        Value::Real(channel_of(k, k.channel.env.kernel_number(k.channel.at.channel).into()))
+                        MacroValue::Real(channel_of(k, k.channel.env.kernel_number(k.channel.at.channel).into()))
                     }
                 })
             },
@@ -173,14 +173,17 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$MFICHN" => (
             |k, at| match kernel_of(k, index(at)) {
                 0 => number(0),
-                owner => Value::Real(channel_of(k, owner)),
+                owner => MacroValue::Real(channel_of(k, owner)),
             },
             Some(|k, at, value| match kernel_of(k, index(at)) {
-                0 => Err(Fault::new(Number::OUT_OF_RANGE, format!("input file {} has no kernel", index(at)))),
+                0 => Err(MacroFault::new(
+                    DiagnosticNumber::OUT_OF_RANGE,
+                    format!("input file {} has no kernel", index(at)),
+                )),
                 owner => set_channel(k, owner, value),
             }),
         ),
-        "$MFINAM" => (|k, at| Value::text(file(k, index(at))), None),
+        "$MFINAM" => (|k, at| MacroValue::text(file(k, index(at))), None),
         _ => return None,
     };
     Some(row)

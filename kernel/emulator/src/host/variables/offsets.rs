@@ -3,17 +3,17 @@
 //! Facts: reference system-variables.md 7, functions.md 12. Radii are those in the offset table of the control; axes
 //! are those of `$AXES`, or the sixteen of the axis list.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident::minor_code;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::host::variables::positions;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::compensation::number_of;
-use crate::state::frames::offsets::{BASE, Radii, Table};
+use crate::state::frames::offsets::{BASE, OffsetTable, Radii};
 use crate::state::frames::shift::DIAMETERS;
 use crate::state::modal::group;
 use counterpoint_machine::ident::{CodeId, codes, data};
@@ -34,8 +34,8 @@ const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
 /// Length of a sequence of all axes.
 const ALL_AXES: usize = 16;
 
-fn real(value: impl Into<f64>) -> Value {
-    Value::Real(value.into())
+fn real(value: impl Into<f64>) -> MacroValue {
+    MacroValue::Real(value.into())
 }
 
 fn has(kernel: &Kernel<'_>, codes: &[CodeId]) -> bool {
@@ -43,7 +43,7 @@ fn has(kernel: &Kernel<'_>, codes: &[CodeId]) -> bool {
 }
 
 /// A number of an offset.
-fn whole(value: &Value) -> u32 {
+fn whole(value: &MacroValue) -> u32 {
     value.as_real().map_or(0, |n| n.clamp(0.0, 999_999.0) as u32)
 }
 
@@ -51,7 +51,7 @@ fn only_with(kernel: &Kernel<'_>, codes: &[CodeId]) -> Outcome<()> {
     if has(kernel, codes) {
         return Ok(());
     }
-    Err(Fault::new(Number::BAD_VALUE, "this machine does not have that compensation"))
+    Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "this machine does not have that compensation"))
 }
 
 /// How a variable is read and written.
@@ -96,7 +96,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$DYNFIX" => (
-            |k, _| Value::Logical(k.channel.state.place.compensation.dynamic),
+            |k, _| MacroValue::Logical(k.channel.state.place.compensation.dynamic),
             Some(|k, _, value| {
                 k.channel.state.place.compensation.dynamic = value.as_logical().unwrap_or(false);
                 Ok(())
@@ -186,15 +186,15 @@ enum Which {
     One(Option<AxisSlot>),
 }
 
-fn number_argument(arguments: &[Value], at: usize) -> Outcome<u32> {
-    match arguments.get(at).and_then(Value::as_real) {
+fn number_argument(arguments: &[MacroValue], at: usize) -> Outcome<u32> {
+    match arguments.get(at).and_then(MacroValue::as_real) {
         Some(number) if (0.0..=999_999.0).contains(&number) => Ok(number as u32),
-        _ => Err(Fault::new(Number::OUT_OF_RANGE, "the number of an offset is 0 to 999999")),
+        _ => Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, "the number of an offset is 0 to 999999")),
     }
 }
 
 /// Number of an offset: fixtures by primary and secondary number, the others by the second one.
-fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
+fn offset_number(arguments: &[MacroValue], fixture: bool) -> Outcome<u32> {
     let (first, second) = (number_argument(arguments, 0)?, number_argument(arguments, 1)?);
     Ok(match (fixture, first, second) {
         (true, first, 0) => first,
@@ -206,33 +206,37 @@ fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
 
 impl Kernel<'_> {
     /// `$FMSSLCV`, `$FMSSFCV`: 1, or 0 if it cannot be kept.
-    pub(in crate::host) fn write_offset(&mut self, table: Table, arguments: &[Value]) -> Outcome<Value> {
-        let number = offset_number(arguments, table == Table::Work)?;
+    pub(in crate::host) fn write_offset(
+        &mut self,
+        table: OffsetTable,
+        arguments: &[MacroValue],
+    ) -> Outcome<MacroValue> {
+        let number = offset_number(arguments, table == OffsetTable::Work)?;
         let mut values = self.channel.offset_values(table, number);
-        let given = |at: usize| arguments.get(at).and_then(Value::as_real);
+        let given = |at: usize| arguments.get(at).and_then(MacroValue::as_real);
         let (axes, numbers): (Vec<Option<AxisSlot>>, Vec<f64>) = match arguments.get(2) {
-            Some(Value::Sequence(given)) => {
+            Some(MacroValue::Sequence(given)) => {
                 let axes = axes_of(&self.channel, &which(&self.channel, arguments.get(3))?);
                 if given.len() != axes.len() {
                     let text = format!("the offset takes {} numbers, not {}", axes.len(), given.len());
-                    return Err(Fault::new(Number::BAD_VECTOR, text));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_VECTOR, text));
                 }
-                let number = |value: &Value| value.as_real().ok_or_else(|| Fault::kind("a number", value));
+                let number = |value: &MacroValue| value.as_real().ok_or_else(|| MacroFault::kind("a number", value));
                 (axes, given.iter().map(number).collect::<Outcome<_>>()?)
             }
             _ => match (given(2), given(3), given(4)) {
-                (Some(x), Some(y), Some(z)) if table == Table::Length => {
+                (Some(x), Some(y), Some(z)) if table == OffsetTable::Length => {
                     (self.channel.state.place.layout.cartesian.to_vec(), vec![x, y, z])
                 }
-                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
+                (Some(z), None, _) if table == OffsetTable::Length && arguments.len() == 3 => {
                     (self.channel.state.place.layout.cartesian.to_vec(), vec![0.0, 0.0, z])
                 }
                 (Some(value), ..) if arguments.len() > 3 => {
                     (axes_of(&self.channel, &which(&self.channel, arguments.get(3))?), vec![value])
                 }
                 _ => {
-                    return Err(Fault::new(
-                        Number::BAD_VECTOR,
+                    return Err(MacroFault::new(
+                        DiagnosticNumber::BAD_VECTOR,
                         "the offset takes a sequence, or a number and its axis",
                     ));
                 }
@@ -251,32 +255,37 @@ impl Kernel<'_> {
     }
 }
 
-fn which(channel: &Channel<'_>, argument: Option<&Value>) -> Outcome<Which> {
+fn which(channel: &ChannelContext<'_>, argument: Option<&MacroValue>) -> Outcome<Which> {
     let axis = |at: usize| {
         LETTERS.get(at).and_then(|letter| channel.state.place.layout.axis_of_letter(channel.env.machine, *letter))
     };
     match argument {
         None => Ok(Which::Six),
-        Some(Value::Keyword(code)) => {
+        Some(MacroValue::Keyword(code)) => {
             let is = |word: &str| minor_code(word) == Some(*code);
             if is("ALL") {
                 return Ok(Which::All);
             }
             let named = LETTERS.iter().position(|letter| is(&format!("{letter}AXIS")));
             if named.is_none() && !["QUILL", "RAM", "ORIENT"].into_iter().any(is) {
-                return Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"));
+                return Err(MacroFault::new(
+                    DiagnosticNumber::OUT_OF_RANGE,
+                    "an axis is 1 to 16, a keyword of an axis, or ALL",
+                ));
             }
             Ok(Which::One(named.and_then(axis)))
         }
         Some(value) => match value.as_real() {
             Some(index) if (1.0..=ALL_AXES as f64).contains(&index) => Ok(Which::One(axis(index as usize - 1))),
-            _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL")),
+            _ => {
+                Err(MacroFault::new(DiagnosticNumber::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"))
+            }
         },
     }
 }
 
 /// Channel axes of a sequence.
-fn axes_of(channel: &Channel<'_>, which: &Which) -> Vec<Option<AxisSlot>> {
+fn axes_of(channel: &ChannelContext<'_>, which: &Which) -> Vec<Option<AxisSlot>> {
     match which {
         Which::Six => positions::six_axes(&channel.state.place).to_vec(),
         Which::All => (0..ALL_AXES)
@@ -291,28 +300,40 @@ fn axes_of(channel: &Channel<'_>, which: &Which) -> Vec<Option<AxisSlot>> {
 }
 
 /// `$FMSGLCV`, `$FMSGFCV`.
-pub(in crate::host) fn read_offset(channel: &Channel<'_>, table: Table, arguments: &[Value]) -> Outcome<Value> {
-    let values = channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
+pub(in crate::host) fn read_offset(
+    channel: &ChannelContext<'_>,
+    table: OffsetTable,
+    arguments: &[MacroValue],
+) -> Outcome<MacroValue> {
+    let values = channel.offset_values(table, offset_number(arguments, table == OffsetTable::Work)?);
     let which = which(channel, arguments.get(2))?;
     let axes = axes_of(channel, &which);
     let numbers: Vec<f64> = axes.iter().map(|axis| axis.map_or(0.0, |axis| values.at(axis))).collect();
     Ok(match (which, numbers.as_slice()) {
-        (Which::One(_), [one, ..]) => Value::Real(*one),
-        _ => Value::numbers(&numbers),
+        (Which::One(_), [one, ..]) => MacroValue::Real(*one),
+        _ => MacroValue::numbers(&numbers),
     })
 }
 
 /// `$FMSGDCV`, `$FMSGRCV`.
-pub(in crate::host) fn read_radius(channel: &Channel<'_>, table: Radii, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::Real(channel.offset_radius(table, offset_number(arguments, false)?)))
+pub(in crate::host) fn read_radius(
+    channel: &ChannelContext<'_>,
+    table: Radii,
+    arguments: &[MacroValue],
+) -> Outcome<MacroValue> {
+    Ok(MacroValue::Real(channel.offset_radius(table, offset_number(arguments, false)?)))
 }
 
 /// `$FMSSDCV`, `$FMSSRCV`: 1, or 0 if it cannot be kept.
-pub(in crate::host) fn write_radius(channel: &mut Channel<'_>, table: Radii, arguments: &[Value]) -> Outcome<Value> {
+pub(in crate::host) fn write_radius(
+    channel: &mut ChannelContext<'_>,
+    table: Radii,
+    arguments: &[MacroValue],
+) -> Outcome<MacroValue> {
     let number = offset_number(arguments, false)?;
-    let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
+    let value = arguments.get(2).and_then(MacroValue::as_real).filter(|value| value.is_finite());
     let set = value.is_some_and(|value| channel.set_offset_radius(table, number, value));
-    let tip = arguments.get(3).and_then(Value::as_real);
+    let tip = arguments.get(3).and_then(MacroValue::as_real);
     Ok(real(u8::from(
         set && tip.is_none_or(|tip| channel.state.place.offsets.get_or_insert_default().set_tip(number, tip)),
     )))

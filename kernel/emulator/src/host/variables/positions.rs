@@ -4,8 +4,8 @@
 //! degrees on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -63,7 +63,7 @@ impl Kernel<'_> {
 }
 
 /// Channel axis of a name.
-fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
+fn axis_at(channel: &ChannelContext<'_>, place: AxisPosition) -> Option<AxisSlot> {
     let find = |ids: &[DataId]| ids.iter().find_map(|id| channel.state.place.axis_of_data(*id));
     let of = |table: DataId, head: DataId| match place.side {
         'T' => find(&[table]),
@@ -82,7 +82,7 @@ fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
 }
 
 /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
-pub(crate) fn six_axes(place: &Place) -> [Option<AxisSlot>; 6] {
+pub(crate) fn six_axes(place: &MotionState) -> [Option<AxisSlot>; 6] {
     let mut rotary = place.layout.axes.entries().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
     let cartesian = place.layout.cartesian;
     let [x, y, z] = cartesian;
@@ -93,7 +93,7 @@ pub(crate) fn six_axes(place: &Place) -> [Option<AxisSlot>; 6] {
 }
 
 /// Letter of a channel axis in `$AXES`.
-pub(crate) fn axis_letter(place: &Place, axis: Option<AxisSlot>) -> char {
+pub(crate) fn axis_letter(place: &MotionState, axis: Option<AxisSlot>) -> char {
     let axis = axis.map(|axis| &place.layout.axes[axis]);
     match axis.map(|axis| axis.data.kind()) {
         Some(DataKind::Axis(letter)) => letter,
@@ -102,7 +102,7 @@ pub(crate) fn axis_letter(place: &Place, axis: Option<AxisSlot>) -> char {
 }
 
 /// `$AXES`
-pub(crate) fn axes_text(place: &Place) -> String {
+pub(crate) fn axes_text(place: &MotionState) -> String {
     six_axes(place).into_iter().map(|axis| axis_letter(place, axis)).collect()
 }
 

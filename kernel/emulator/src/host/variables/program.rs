@@ -1,39 +1,39 @@
 //! Variables of the program, the subprograms, diagnostics and the definition.
 
 use crate::state::text;
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::channel::unit_switch::switch_unit;
-use crate::macros::store::Store;
+use crate::macros::store::SystemVariableStore;
 use crate::macros::values::code_value;
-use counterpoint_event::info::Unit;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::MachineKind;
 
-fn number(value: impl Into<f64>) -> Value {
-    Value::Real(value.into())
+fn number(value: impl Into<f64>) -> MacroValue {
+    MacroValue::Real(value.into())
 }
 
-fn kept<R>(kernel: &Kernel<'_>, read: impl FnOnce(&Store) -> R) -> R {
+fn kept<R>(kernel: &Kernel<'_>, read: impl FnOnce(&SystemVariableStore) -> R) -> R {
     read(&kernel.macros.variables.store)
 }
 
-fn keep(kernel: &mut Kernel<'_>, write: impl FnOnce(&mut Store)) -> Outcome<()> {
+fn keep(kernel: &mut Kernel<'_>, write: impl FnOnce(&mut SystemVariableStore)) -> Outcome<()> {
     write(&mut kernel.macros.variables.store);
     Ok(())
 }
 
 /// Counter of a class of severity.
-fn count<const CLASS: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    Value::Real(kept(kernel, |store| store.counts.get(CLASS).copied()).unwrap_or(0.0))
+fn count<const CLASS: usize>(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
+    MacroValue::Real(kept(kernel, |store| store.counts.get(CLASS).copied()).unwrap_or(0.0))
 }
 
-fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let value = value.as_real().unwrap_or(0.0);
     keep(kernel, |store| {
         if let Some(count) = store.counts.get_mut(CLASS) {
@@ -43,12 +43,12 @@ fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Val
 }
 
 /// The block before or after the current one.
-fn neighbour(kernel: &Kernel<'_>, behind: bool) -> Value {
-    Value::text(kernel.neighbour(behind).unwrap_or_default())
+fn neighbour(kernel: &Kernel<'_>, behind: bool) -> MacroValue {
+    MacroValue::text(kernel.neighbour(behind).unwrap_or_default())
 }
 
 /// The kind of the machine: its type, positioning modes and units.
-fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let machine = kernel.channel.env.machine;
     let kind = match machine.kind {
         MachineKind::Mill => "MILL",
@@ -59,18 +59,18 @@ fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let has = |id| machine.codes.iter().any(|row| row.enable && row.id == id);
     let letters = machine.registers.iter().any(|register| register.second.is_some());
     let incremental = has(codes::POSITION_RELATIVE) || letters;
-    let (first, second) = if machine.unit == Unit::Inch { ("INCH", "MM") } else { ("MM", "INCH") };
+    let (first, second) = if machine.unit == MachineUnit::Inch { ("INCH", "MM") } else { ("MM", "INCH") };
     let mut text = format!("{kind} ABSOLUTE{}", if incremental { " INCREMENTAL" } else { "" });
     for unit in [Some(first), has(codes::UNITS_SECONDARY).then_some(second)].into_iter().flatten() {
         text.push(' ');
         text.push_str(unit);
     }
-    Value::text(text)
+    MacroValue::text(text)
 }
 
-fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
-    let inch = (kernel.channel.env.machine.unit == Unit::Inch) != secondary;
-    Value::Real(if inch { 1.0 } else { 25.4 })
+fn unit(kernel: &Kernel<'_>, secondary: bool) -> MacroValue {
+    let inch = (kernel.channel.env.machine.unit == MachineUnit::Inch) != secondary;
+    MacroValue::Real(if inch { 1.0 } else { 25.4 })
 }
 
 /// Version of the control whose language and variables are emulated, and its level.
@@ -84,16 +84,16 @@ fn stored_name(machine: &Machine) -> String {
 
 /// Secondary units in a primary one.
 fn per_primary(kernel: &Kernel<'_>) -> f64 {
-    if kernel.channel.env.machine.unit == Unit::Inch { 25.4 } else { 1.0 / 25.4 }
+    if kernel.channel.env.machine.unit == MachineUnit::Inch { 25.4 } else { 1.0 / 25.4 }
 }
 
-fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let inch = match value.as_real() {
         Some(1.0) => true,
         Some(25.4) => false,
-        _ => return Err(Fault::new(Number::BAD_VALUE, "$UNIMCH is 1 for inch or 25.4 for millimetre")),
+        _ => return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "$UNIMCH is 1 for inch or 25.4 for millimetre")),
     };
-    switch_unit(kernel, inch != (kernel.channel.env.machine.unit == Unit::Inch));
+    switch_unit(kernel, inch != (kernel.channel.env.machine.unit == MachineUnit::Inch));
     Ok(())
 }
 
@@ -105,7 +105,7 @@ fn levels(kernel: &Kernel<'_>) -> u16 {
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$CECODE" => (|k, _| code_value(k.channel.context.code), None),
-        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&text::preprocessed_bytes(&k.channel))), None),
+        "$MCD" => (|k, _| MacroValue::text(String::from_utf8_lossy(&text::preprocessed_bytes(&k.channel))), None),
         "$LMCD" => (|k, _| neighbour(k, false), None),
         "$NMCD" => (|k, _| neighbour(k, true), None),
         "$MCDNO" => (
@@ -124,10 +124,10 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$TAPEN" => {
-            (|k, _| Value::text(k.flow.frames.first().map_or("", |f| k.channel.env.info.file_name(f.file))), None)
+            (|k, _| MacroValue::text(k.flow.frames.first().map_or("", |f| k.channel.env.info.file_name(f.file))), None)
         }
         "$XMCD" => (
-            |k, _| Value::text(text::left_text(&k.channel)),
+            |k, _| MacroValue::text(text::left_text(&k.channel)),
             Some(|k, _, value| {
                 let text = value.as_text().unwrap_or("").to_owned();
                 text::set_left(&mut k.channel, text);
@@ -136,7 +136,9 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$OPSKIP" => (|k, _| number(levels(k).count_ones()), None),
         "$OPSKIPL" => (
-            |k, at| Value::Logical(at.first().is_some_and(|&level| levels(k) & 1u16.wrapping_shl(level as u32) != 0)),
+            |k, at| {
+                MacroValue::Logical(at.first().is_some_and(|&level| levels(k) & 1u16.wrapping_shl(level as u32) != 0))
+            },
             Some(|k, at, value| {
                 if let Some(level) = at.first().and_then(|&level| u8::try_from(level).ok()).filter(|level| *level < 10)
                 {
@@ -148,7 +150,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$EMBMAC" => (
             |k, at| {
                 let at = at.first().map_or(0, |&at| at as usize - 1);
-                Value::text(kept(k, |store| store.embedding.get(at).cloned()).unwrap_or_default())
+                MacroValue::text(kept(k, |store| store.embedding.get(at).cloned()).unwrap_or_default())
             },
             Some(|k, at, value| {
                 let at = at.first().map_or(0, |&at| at as usize - 1);
@@ -161,7 +163,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$ERRMSG" => (
-            |k, _| Value::Logical(kept(k, |store| store.messages)),
+            |k, _| MacroValue::Logical(kept(k, |store| store.messages)),
             Some(|k, _, value| {
                 let on = value.as_logical().unwrap_or(true);
                 keep(k, |store| store.messages = on)
@@ -169,11 +171,11 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$DIAGLIST" => (
             |k, _| {
-                let list = |store: &Store| store.listed.iter().map(|&n| number(n)).collect();
-                Value::sequence(kept(k, list))
+                let list = |store: &SystemVariableStore| store.listed.iter().map(|&n| number(n)).collect();
+                MacroValue::sequence(kept(k, list))
             },
             Some(|k, _, value| {
-                let list = value.as_sequence().unwrap_or(&[]).iter().filter_map(Value::as_real);
+                let list = value.as_sequence().unwrap_or(&[]).iter().filter_map(MacroValue::as_real);
                 let list: Vec<u32> = list.map(|n| n.max(0.0) as u32).collect();
                 keep(k, |store| store.listed = list)
             }),
@@ -182,33 +184,55 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$WRN04" => (count::<1>, Some(set_count::<1>)),
         "$ERR08" => (count::<2>, Some(set_count::<2>)),
         "$FTL16" => (count::<3>, Some(set_count::<3>)),
-        "$AUTHOR" => (|k, _| Value::text(k.channel.env.machine.author.as_str()), None),
-        "$MACHIN" => (|k, _| Value::text(k.channel.env.machine.name.as_str()), None),
+        "$AUTHOR" => (|k, _| MacroValue::text(k.channel.env.machine.author.as_str()), None),
+        "$MACHIN" => (|k, _| MacroValue::text(k.channel.env.machine.name.as_str()), None),
         "$MCHNUM" => (|k, _| number(k.channel.env.machine.number), None),
         "$MCHDSC" => (machine_text, None),
-        "$CEDATE" => (|k, _| Value::text(k.channel.env.machine.created.as_str()), None),
-        "$DBFILE" => (|k, _| Value::text(k.channel.env.machine.file.as_str()), None),
+        "$CEDATE" => (|k, _| MacroValue::text(k.channel.env.machine.created.as_str()), None),
+        "$DBFILE" => (|k, _| MacroValue::text(k.channel.env.machine.file.as_str()), None),
         // A job knows no clock.
-        "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
-        "$PREPROC" => (|k, _| Value::text(k.dialect.kind.title().to_ascii_uppercase()), None),
-        "$BACK" => {
-            (|k, _| Value::Logical(k.channel.env.options.answers.is_empty() && !k.channel.env.options.attended), None)
-        }
+        "$DATE" => (|_, _| MacroValue::text("01-JAN-1970 00:00:00.00"), None),
+        "$PREPROC" => (|k, _| MacroValue::text(k.dialect.kind.title().to_ascii_uppercase()), None),
+        "$BACK" => (
+            |k, _| MacroValue::Logical(k.channel.env.options.answers.is_empty() && !k.channel.env.options.attended),
+            None,
+        ),
         "$TUDQ" => (
-            |k, at| answer(&k.channel.env.machine.habits.texts, at, |text| Value::text(text.as_str()), Value::text("")),
+            |k, at| {
+                answer(
+                    &k.channel.env.machine.habits.texts,
+                    at,
+                    |text| MacroValue::text(text.as_str()),
+                    MacroValue::text(""),
+                )
+            },
             None,
         ),
         "$IUDQ" => (
-            |k, at| answer(&k.channel.env.machine.habits.integers, at, |number| Value::Real(*number), Value::Real(0.0)),
+            |k, at| {
+                answer(
+                    &k.channel.env.machine.habits.integers,
+                    at,
+                    |number| MacroValue::Real(*number),
+                    MacroValue::Real(0.0),
+                )
+            },
             None,
         ),
         "$WUDQ" => (
-            |k, at| answer(&k.channel.env.machine.habits.numbers, at, |number| Value::Real(*number), Value::Real(0.0)),
+            |k, at| {
+                answer(
+                    &k.channel.env.machine.habits.numbers,
+                    at,
+                    |number| MacroValue::Real(*number),
+                    MacroValue::Real(0.0),
+                )
+            },
             None,
         ),
         "$UNIPRI" => (|k, _| unit(k, false), None),
         "$UNISEC" => (|k, _| unit(k, true), None),
-        "$CEFILE" => (|k, _| Value::text(stored_name(k.channel.env.machine)), None),
+        "$CEFILE" => (|k, _| MacroValue::text(stored_name(k.channel.env.machine)), None),
         "$PVER" => (|_, _| number(VERSION.0), None),
         "$PLEV" => (|_, _| number(VERSION.1), None),
         "$UNITS" => (|k, _| unit(k, k.channel.state.secondary), None),
@@ -219,7 +243,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 let secondary = value.as_real() != Some(1.0);
                 if secondary && value.as_real() != Some(per_primary(k)) {
                     let text = format!("$PCONFC is 1 or {} here", per_primary(k));
-                    return Err(Fault::new(Number::BAD_VALUE, text));
+                    return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, text));
                 }
                 switch_unit(k, secondary);
                 Ok(())
@@ -229,14 +253,14 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$SUBNAM" => (
             |k, _| {
                 let name = k.flow.frames.iter().skip(1).next_back().map_or("", |frame| &*frame.name);
-                Value::text(name)
+                MacroValue::text(name)
             },
             None,
         ),
         "$SUBNO" | "$SUBSTK" => (
             |k, _| {
-                let names = k.flow.frames.iter().skip(1).map(|frame| Value::text(&*frame.name));
-                Value::sequence(names.collect())
+                let names = k.flow.frames.iter().skip(1).map(|frame| MacroValue::text(&*frame.name));
+                MacroValue::sequence(names.collect())
             },
             None,
         ),
@@ -250,7 +274,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
 }
 
 /// The answer to a question of the machine's own; one that was not answered is empty.
-fn answer<T>(answers: &[T], indices: &[i64], value: impl Fn(&T) -> Value, missing: Value) -> Value {
+fn answer<T>(answers: &[T], indices: &[i64], value: impl Fn(&T) -> MacroValue, missing: MacroValue) -> MacroValue {
     let index = indices.first().and_then(|index| usize::try_from(index - 1).ok());
     index.and_then(|index| answers.get(index)).map_or(missing, value)
 }

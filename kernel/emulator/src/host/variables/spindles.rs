@@ -3,40 +3,40 @@
 //! *Invariant:* a value that a macro sets counts from the next action on and makes no event. Facts: reference
 //! system-variables.md 6, 9.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::value::Value;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::state::modal::group;
-use counterpoint_event::event::Direction;
-use counterpoint_event::info::Unit;
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;
 
-use counterpoint_sync::shared::Command;
+use counterpoint_sync::shared::SpindleCommand;
 
-fn number(value: impl Into<f64>) -> Value {
-    Value::Real(value.into())
+fn number(value: impl Into<f64>) -> MacroValue {
+    MacroValue::Real(value.into())
 }
 
-fn real(value: &Value) -> f64 {
+fn real(value: &MacroValue) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
-fn turns(command: &Command) -> bool {
-    matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise)
+fn turns(command: &SpindleCommand) -> bool {
+    matches!(command.direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise)
 }
 
 /// Changes the command of the channel's spindle.
-fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
+fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut SpindleCommand)) -> Outcome<()> {
     if let Err(halt) = kernel.set_spindle(change) {
         kernel.macros.calls.stop(halt);
     }
     Ok(())
 }
 
-fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn speed(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let command = &kernel.channel.state.spindle.command;
     number(match (turns(command), command.css) {
         (false, _) => 0.0,
@@ -45,27 +45,27 @@ fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     })
 }
 
-fn set_speed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_speed(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let speed = real(value).max(0.0);
     set(kernel, |command| if command.css { command.surface = speed } else { command.rpm = speed })
 }
 
-fn mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn mode(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let command = &kernel.channel.state.spindle.command;
     number(match (turns(command), command.css, kernel.channel.env.machine.unit) {
         (false, ..) => 0.0,
         (true, false, _) => 2.0,
-        (true, true, Unit::Inch) => 1.0,
-        (true, true, Unit::Mm) => 3.0,
+        (true, true, MachineUnit::Inch) => 1.0,
+        (true, true, MachineUnit::Mm) => 3.0,
     })
 }
 
 /// 0 stops, 2 turns by rev/min, 1 and 3 by surface speed in the unit of the machine.
-fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let mode = real(value);
     if mode == 0.0 {
         kernel.activate_code(codes::SPINDLE_OFF);
-        return set(kernel, |command| command.direction = Direction::Off);
+        return set(kernel, |command| command.direction = SpindleDirection::Off);
     }
     let css = mode != 2.0;
     let driver = kernel.channel.state.others.spindles.driver.unwrap_or(kernel.channel.at.channel);
@@ -78,45 +78,46 @@ fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     })
 }
 
-fn direction(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn direction(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     number(match kernel.channel.state.spindle.command.direction {
-        Direction::Clockwise => 1.0,
-        Direction::CounterClockwise => 2.0,
+        SpindleDirection::Clockwise => 1.0,
+        SpindleDirection::CounterClockwise => 2.0,
         _ => 0.0,
     })
 }
 
 /// 0 does not stop.
-fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let (code, direction) = match real(value) {
-        1.0 => (codes::SPINDLE_CLW, Direction::Clockwise),
-        2.0 => (codes::SPINDLE_CCLW, Direction::CounterClockwise),
+        1.0 => (codes::SPINDLE_CLW, SpindleDirection::Clockwise),
+        2.0 => (codes::SPINDLE_CCLW, SpindleDirection::CounterClockwise),
         _ => return Ok(()),
     };
     kernel.activate_code(code);
     set(kernel, |command| command.direction = direction)
 }
 
-fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn limit(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let machine = kernel.channel.state.spindle.id.map_or(0.0, |id| kernel.channel.env.machine.spindles[id].max);
     number(kernel.channel.state.spindle.command.limit.min(machine))
 }
 
-fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
     let rear = kernel.channel.state.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR);
     let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
-    word.map_or(Value::Null, Value::Keyword)
+    word.map_or(MacroValue::Null, MacroValue::Keyword)
 }
 
-fn set_spindle_in_work(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let is = |word| matches!(value, Value::Keyword(code) if counterpoint_lang::ident::minor_code(word) == Some(*code));
+fn set_spindle_in_work(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
+    let is =
+        |word| matches!(value, MacroValue::Keyword(code) if counterpoint_lang::ident::minor_code(word) == Some(*code));
     let wanted = match (is("FRONT"), is("REAR")) {
         (true, _) => codes::SPINDLE_FRONT,
         (_, true) => codes::SPINDLE_REAR,
-        _ => return Err(Fault::new(Number::BAD_VALUE, "a spindle is FRONT or REAR")),
+        _ => return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "a spindle is FRONT or REAR")),
     };
     if kernel.row_of_code(wanted).is_none() {
-        return Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this spindle"));
+        return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "the machine has no code for this spindle"));
     }
     kernel.activate_code(wanted);
     Ok(())

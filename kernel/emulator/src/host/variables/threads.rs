@@ -4,7 +4,7 @@
 //! Depth, first step and passes that a macro sets are those of one cycle. Facts: reference system-variables.md 8, 9.
 
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
@@ -14,7 +14,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::ThreadCycle;
 use counterpoint_machine::ident::{CodeId, DataId, data};
 
-fn real(value: &Value) -> f64 {
+fn real(value: &MacroValue) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
@@ -33,10 +33,10 @@ const CHANGE: DataId = data::INTERP_THREAD_PITCH_VAR;
 /// How a variable is read and written.
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$PITCH" => (|k, _| Value::Real(known(k, PITCH)), Some(|k, _, value| remember(k, PITCH, real(value)))),
-        "$PITCHV" => (|k, _| Value::Real(known(k, CHANGE)), Some(|k, _, value| remember(k, CHANGE, real(value)))),
+        "$PITCH" => (|k, _| MacroValue::Real(known(k, PITCH)), Some(|k, _, value| remember(k, PITCH, real(value)))),
+        "$PITCHV" => (|k, _| MacroValue::Real(known(k, CHANGE)), Some(|k, _, value| remember(k, CHANGE, real(value)))),
         "$MULTRD" => (
-            |k, _| Value::Real(k.channel.state.threads.starts),
+            |k, _| MacroValue::Real(k.channel.state.threads.starts),
             Some(|k, _, value| {
                 let starts = real(value).max(1.0);
                 k.channel.state.threads.starts = starts;
@@ -44,11 +44,11 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$E" => (
-            |k, _| Value::Real(known(k, PITCH) * k.channel.state.threads.starts),
+            |k, _| MacroValue::Real(known(k, PITCH) * k.channel.state.threads.starts),
             Some(|k, _, value| remember(k, PITCH, real(value) / k.channel.state.threads.starts)),
         ),
         "$EV" => (
-            |k, _| Value::Real(known(k, CHANGE) * k.channel.state.threads.starts),
+            |k, _| MacroValue::Real(known(k, CHANGE) * k.channel.state.threads.starts),
             Some(|k, _, value| remember(k, CHANGE, real(value) / k.channel.state.threads.starts)),
         ),
         _ => return cycle(name),
@@ -82,56 +82,56 @@ fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Threading)) -> Outcome
 }
 
 /// A value above nothing.
-fn programmed(value: &Value) -> Option<f64> {
+fn programmed(value: &MacroValue) -> Option<f64> {
     Some(real(value).abs()).filter(|value| *value > 0.0)
 }
 
 /// `$TH…`
 fn cycle(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$THTYPE" => (|k, _| Value::Real(kind(k)), None),
+        "$THTYPE" => (|k, _| MacroValue::Real(kind(k)), None),
         "$THMODE" => (
-            |k, _| Value::Real(f64::from(k.channel.state.threads.cycle.mode)),
+            |k, _| MacroValue::Real(f64::from(k.channel.state.threads.cycle.mode)),
             Some(|k, _, value| set(k, |cycle| cycle.mode = real(value).clamp(0.0, 4.0) as u8)),
         ),
         "$THDPTH" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.depth.unwrap_or(0.0)),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.depth.unwrap_or(0.0)),
             Some(|k, _, value| next(k, |cycle| cycle.depth = programmed(value))),
         ),
         "$THSTEP" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.step.unwrap_or(0.0)),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.step.unwrap_or(0.0)),
             Some(|k, _, value| next(k, |cycle| cycle.step = programmed(value))),
         ),
         "$THCUTS" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.passes()),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.passes()),
             Some(|k, _, value| next(k, |cycle| cycle.cuts = programmed(value).map(f64::trunc))),
         ),
         "$THMIN" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.least),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.least),
             Some(|k, _, value| set(k, |cycle| cycle.least = real(value).abs())),
         ),
         "$THFINC" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.finish_cuts),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.finish_cuts),
             Some(|k, _, value| set(k, |cycle| cycle.finish_cuts = real(value).clamp(0.0, 99.0).trunc())),
         ),
         "$THFINA" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.finish),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.finish),
             Some(|k, _, value| set(k, |cycle| cycle.finish = real(value).abs())),
         ),
         "$THNOSE" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.nose),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.nose),
             Some(|k, _, value| set(k, |cycle| cycle.nose = real(value).clamp(0.0, 170.0))),
         ),
         "$THCHFT" => (
-            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.pull_out.on))),
+            |k, _| MacroValue::Real(f64::from(u8::from(k.channel.state.threads.cycle.pull_out.on))),
             Some(|k, _, value| set(k, |cycle| cycle.pull_out.on = real(value) != 0.0)),
         ),
         "$THCHFL" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.length),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.pull_out.length),
             Some(|k, _, value| set(k, |cycle| cycle.set_chamfer(real(value).abs()))),
         ),
         "$THCHFA" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.angle),
+            |k, _| MacroValue::Real(k.channel.state.threads.cycle.pull_out.angle),
             Some(|k, _, value| set(k, |cycle| cycle.pull_out.angle = real(value).clamp(10.0, 80.0))),
         ),
         _ => return None,

@@ -7,7 +7,7 @@ pub(crate) mod travel;
 
 use counterpoint_event::event::MAX_AXES;
 use operations::Operations;
-use travel::Travel;
+use travel::TravelTable;
 
 /// Operations and travel of a program.
 #[derive(Debug, Default)]
@@ -15,9 +15,9 @@ pub(crate) struct Books {
     /// Operations of the program.
     operations: Operations,
     /// `$TLMIN`, `$TLMAX`
-    tool_travel: Travel,
+    tool_travel: TravelTable,
     /// `$OPMIN`, `$OPMAX`
-    operation_travel: Travel,
+    operation_travel: TravelTable,
     /// Column of each axis of the channel in those.
     columns: [Option<usize>; MAX_AXES],
     /// Sequence number of the last block that had one.

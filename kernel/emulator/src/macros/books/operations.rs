@@ -5,12 +5,12 @@
 //! have the rows from 2 on. *Invariant:* values that a macro writes into the table take precedence.
 
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::Books;
-use crate::macros::store::{Store, names};
+use crate::macros::store::{SystemVariableStore, names};
 use crate::macros::tool_table::ToolTable;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use crate::state::modal::group;
 use counterpoint_machine::ident::codes;
 
@@ -25,9 +25,9 @@ const LONGEST_NAME: usize = 200;
 
 /// An operation.
 #[derive(Debug)]
-pub(crate) struct Operation {
+pub(crate) struct MachiningOperation {
     /// Row of its tool in the tool tables.
-    pub(crate) tool: Value,
+    pub(crate) tool: MacroValue,
     pub(crate) name: String,
     /// Start, and end once another one has started, in seconds.
     pub(crate) times: (f64, Option<f64>),
@@ -44,7 +44,7 @@ pub(crate) struct Operation {
 /// The operations of a kernel.
 #[derive(Debug, Default)]
 pub(crate) struct Operations {
-    rows: Vec<Operation>,
+    rows: Vec<MachiningOperation>,
     /// Name that waits for the next operation.
     name: String,
     /// Assignments of `$OPNAME` since the last tool change.
@@ -70,13 +70,13 @@ impl Operations {
 }
 
 /// `$OPNAME` as diagnostics show it, empty without a name.
-pub(crate) fn operation_name(store: &Store) -> String {
+pub(crate) fn operation_name(store: &SystemVariableStore) -> String {
     let name = store.get(names().operation_name).as_text().unwrap_or("").trim();
     name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// Writes `$OPTAB(column,row)`.
-pub(crate) fn set_operation_value(store: &mut Store, at: &[i64], value: &Value) -> Outcome<()> {
+pub(crate) fn set_operation_value(store: &mut SystemVariableStore, at: &[i64], value: &MacroValue) -> Outcome<()> {
     store.keep_element(names().operation_table, place(at), value.clone())
 }
 
@@ -85,21 +85,21 @@ fn place(at: &[i64]) -> (i64, i64) {
 }
 
 /// Number of the active diameter offset, 0 for none.
-fn active_diameter(channel: &Channel<'_>) -> u32 {
+fn active_diameter(channel: &ChannelContext<'_>) -> u32 {
     let active = channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
     if active { channel.state.remembered.diameter() } else { 0 }
 }
 
 impl Books {
     /// Begins an operation after a tool change.
-    pub(crate) fn begin_with_tool(&mut self, channel: &mut Channel<'_>, store: &Store) {
+    pub(crate) fn begin_with_tool(&mut self, channel: &mut ChannelContext<'_>, store: &SystemVariableStore) {
         (self.operations.assigned, self.operations.first) = (0, 0);
         let name = std::mem::take(&mut self.operations.name);
         self.begin(channel, store, name);
     }
 
     /// Notes the active offsets while the axes of a motion move.
-    pub(super) fn note_offsets(&mut self, channel: &Channel<'_>, moving: u8) {
+    pub(super) fn note_offsets(&mut self, channel: &ChannelContext<'_>, moving: u8) {
         if self.operations.rows.is_empty() || self.operations.full {
             return;
         }
@@ -120,7 +120,7 @@ impl Books {
     }
 
     /// `$OPNAME` is assigned.
-    pub(crate) fn name_operation(&mut self, channel: &mut Channel<'_>, store: &Store, name: &str) {
+    pub(crate) fn name_operation(&mut self, channel: &mut ChannelContext<'_>, store: &SystemVariableStore, name: &str) {
         let name: String = name.chars().take(LONGEST_NAME).collect();
         let merge = store.get(names().operation_merge).as_logical() == Some(true);
         self.operations.assigned += 1;
@@ -134,7 +134,7 @@ impl Books {
         }
     }
 
-    fn begin(&mut self, channel: &mut Channel<'_>, store: &Store, name: String) {
+    fn begin(&mut self, channel: &mut ChannelContext<'_>, store: &SystemVariableStore, name: String) {
         let (clock, sequence, last) = (channel.now(), channel.block.sequence, self.last_sequence);
         let now = clock as f64 / 1e9;
         let head = match channel.state.modal.code(group::HEAD) {
@@ -153,7 +153,7 @@ impl Books {
         }
         let (tool, number) = (store.get(names().tool_row).clone(), sequence.unwrap_or(last));
         let (times, blocks, offsets) = ((now, None), (number, number), [const { Vec::new() }; 3]);
-        operations.rows.push(Operation { tool, name, times, blocks, severity: 0, head, offsets });
+        operations.rows.push(MachiningOperation { tool, name, times, blocks, severity: 0, head, offsets });
         channel.state.times.switch_operation(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
@@ -161,31 +161,37 @@ impl Books {
     }
 
     /// `$OPTAB` as the kernel knows it at this clock, ns.
-    fn operation(&self, tools: &ToolTable, clock: i64, (column, row): (i64, i64)) -> Option<Value> {
+    fn operation(&self, tools: &ToolTable, clock: i64, (column, row): (i64, i64)) -> Option<MacroValue> {
         let at = usize::try_from(row).ok()?.checked_sub(2)?;
         let row = self.operations.rows.get(at)?;
         let ended = row.times.1.is_some();
         Some(match column {
-            1 => row.tool.as_real().map_or(Value::Null, |row| Value::Real(tools.seen_row(row))),
-            2 => Value::Real(f64::from(row.head?)),
-            5 => Value::text(row.name.as_str()),
-            6 => Value::Real(row.times.0),
-            7 => Value::Real(row.times.1.unwrap_or(clock as f64 / 1e9)),
-            8 => Value::Real(f64::from(row.blocks.0)),
-            9 => Value::Real(f64::from(if ended { row.blocks.1 } else { self.last_sequence })),
-            10 => Value::Real(f64::from(row.severity)),
+            1 => row.tool.as_real().map_or(MacroValue::Null, |row| MacroValue::Real(tools.seen_row(row))),
+            2 => MacroValue::Real(f64::from(row.head?)),
+            5 => MacroValue::text(row.name.as_str()),
+            6 => MacroValue::Real(row.times.0),
+            7 => MacroValue::Real(row.times.1.unwrap_or(clock as f64 / 1e9)),
+            8 => MacroValue::Real(f64::from(row.blocks.0)),
+            9 => MacroValue::Real(f64::from(if ended { row.blocks.1 } else { self.last_sequence })),
+            10 => MacroValue::Real(f64::from(row.severity)),
             11..=13 => {
                 let numbers = row.offsets.get(usize::try_from(column - 11).ok()?)?;
-                Value::sequence(numbers.iter().map(|number| Value::Real(f64::from(*number))).collect())
+                MacroValue::sequence(numbers.iter().map(|number| MacroValue::Real(f64::from(*number))).collect())
             }
             _ => return None,
         })
     }
 
     /// `$OPTAB(column,row)` at this clock, ns; a value that a macro has written takes precedence.
-    pub(crate) fn operation_value(&self, tools: &ToolTable, store: &Store, clock: i64, at: &[i64]) -> Value {
+    pub(crate) fn operation_value(
+        &self,
+        tools: &ToolTable,
+        store: &SystemVariableStore,
+        clock: i64,
+        at: &[i64],
+    ) -> MacroValue {
         let written = store.element(names().operation_table, place(at));
-        written.cloned().or_else(|| self.operation(tools, clock, place(at))).unwrap_or(Value::Null)
+        written.cloned().or_else(|| self.operation(tools, clock, place(at))).unwrap_or(MacroValue::Null)
     }
 
     /// Row of the current operation, 1 for none.

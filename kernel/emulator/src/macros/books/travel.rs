@@ -4,15 +4,15 @@
 //! B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision: positions are
 //! those of `$XM`, arcs with their extremes. *Invariant:* an axis that has not moved in a row has no position there.
 
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::MacroValue;
 
 use super::Books;
 use crate::macros::tool_table::ToolTable;
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_event::event::{Motion, MotionKind};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_results::geometry::Round;
+use counterpoint_results::geometry::ArcGeometry;
 
 /// Columns of the tables.
 pub(super) const COLUMNS: usize = 15;
@@ -25,14 +25,14 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The rows of one table.
 #[derive(Debug, Default)]
-pub(crate) struct Travel {
+pub(crate) struct TravelTable {
     pub(crate) rows: Vec<Row>,
     /// The row of the last motion, and for each column the range that this row and the first row have in common. A
     /// motion within it changes nothing.
     last: Option<(usize, [(f64, f64); COLUMNS])>,
 }
 
-impl Travel {
+impl TravelTable {
     /// A row that a macro may change.
     pub(crate) fn row(&mut self, at: usize) -> Option<&mut Row> {
         self.last = None;
@@ -97,7 +97,7 @@ const AXES: [DataId; COLUMNS] = [
 
 /// Which end of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum End {
+pub(crate) enum RangeEnd {
     Low,
     High,
 }
@@ -109,7 +109,7 @@ fn place(at: &[i64]) -> Option<(usize, usize)> {
 }
 
 /// A second table about Z takes the place of the first one where that is missing.
-fn second_table(channel: &Channel<'_>, id: DataId) -> Option<AxisSlot> {
+fn second_table(channel: &ChannelContext<'_>, id: DataId) -> Option<AxisSlot> {
     channel.state.place.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
 }
 
@@ -122,7 +122,7 @@ fn travel_place(tools: &ToolTable, of_tools: bool, at: &[i64]) -> Option<(usize,
 
 impl Books {
     /// Finds the column of each axis of the channel; `None` for an axis that the tables do not have.
-    pub(crate) fn set_columns(&mut self, channel: &Channel<'_>) {
+    pub(crate) fn set_columns(&mut self, channel: &ChannelContext<'_>) {
         for (column, id) in AXES.into_iter().enumerate() {
             let axis = channel.state.place.axis_of_data(id).or_else(|| second_table(channel, id));
             if let Some(axis) = axis {
@@ -132,14 +132,14 @@ impl Books {
     }
 
     /// Notes where a motion leads.
-    pub(crate) fn note_travel(&mut self, channel: &Channel<'_>, motion: &Motion) {
+    pub(crate) fn note_travel(&mut self, channel: &ChannelContext<'_>, motion: &Motion) {
         self.note_offsets(channel, motion.moving);
         let axes = || {
             let info = channel.env.info;
             info.channel(channel.at.channel).map_or(&[][..], |one| one.axes.as_slice())
         };
         let is_straight = matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear);
-        let round = if is_straight { None } else { Round::of(motion, axes()).map(|round| (round, axes())) };
+        let round = if is_straight { None } else { ArcGeometry::of(motion, axes()).map(|round| (round, axes())) };
         let preset = channel.state.place.preset;
         let rows = channel.state.times.rows();
         let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&self.columns);
@@ -158,14 +158,14 @@ impl Books {
     }
 
     /// `$TLMIN(column,row)` and the others.
-    pub(crate) fn travel_value(&self, tools: &ToolTable, of_tools: bool, end: End, at: &[i64]) -> Value {
+    pub(crate) fn travel_value(&self, tools: &ToolTable, of_tools: bool, end: RangeEnd, at: &[i64]) -> MacroValue {
         let travel = if of_tools { &self.tool_travel } else { &self.operation_travel };
         let found = travel_place(tools, of_tools, at).and_then(|(column, row)| {
             let [low, high] = travel.rows.get(row)?.get(column)?;
-            if end == End::Low { *low } else { *high }
+            if end == RangeEnd::Low { *low } else { *high }
         });
         // Digits of arcs after the ninth were not programmed.
-        found.map_or(Value::Null, |value| Value::Real((value * 1e9).round() / 1e9))
+        found.map_or(MacroValue::Null, |value| MacroValue::Real((value * 1e9).round() / 1e9))
     }
 
     /// Writes one of them.
@@ -173,13 +173,13 @@ impl Books {
         &mut self,
         tools: &ToolTable,
         of_tools: bool,
-        end: End,
-        (at, value): (&[i64], &Value),
+        end: RangeEnd,
+        (at, value): (&[i64], &MacroValue),
     ) {
         let Some((column, row)) = travel_place(tools, of_tools, at) else { return };
         let travel = if of_tools { &mut self.tool_travel } else { &mut self.operation_travel };
         if let Some([low, high]) = travel.row(row).and_then(|row| row.get_mut(column)) {
-            *(if end == End::Low { low } else { high }) = value.as_real();
+            *(if end == RangeEnd::Low { low } else { high }) = value.as_real();
         }
     }
 }
@@ -190,8 +190,8 @@ mod tests {
 
     #[test]
     fn a_range_grows_in_the_program_and_in_the_row_of_the_motion() {
-        let mut travel = Travel::default();
-        let range = |travel: &Travel, row: usize| travel.rows.get(row).map(|row| row[2]);
+        let mut travel = TravelTable::default();
+        let range = |travel: &TravelTable, row: usize| travel.rows.get(row).map(|row| row[2]);
         travel.add(2, 2, (-5.0, 10.0));
         travel.add(2, 2, (-1.0, 3.0));
         assert_eq!(range(&travel, 0), Some([Some(-5.0), Some(10.0)]));

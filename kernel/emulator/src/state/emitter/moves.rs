@@ -9,8 +9,8 @@ use counterpoint_sync::backlog::blank;
 use counterpoint_sync::tag::Tag;
 
 use super::Emitter;
-use crate::state::at::At;
-use crate::state::pace::{Pace, Stretch};
+use crate::state::at::ExecutionPoint;
+use crate::state::pace::{FeedMove, FeedPlanner};
 use crate::state::times::MoveTimes;
 
 impl Emitter<'_> {
@@ -38,12 +38,12 @@ impl Emitter<'_> {
     }
 
     /// Removes the look-ahead for a move that ends with its block; `put_pace` restores it.
-    pub(crate) fn take_pace(&mut self) -> Option<Box<Pace>> {
+    pub(crate) fn take_pace(&mut self) -> Option<Box<FeedPlanner>> {
         self.pace.take()
     }
 
     /// Restores the look-ahead.
-    pub(crate) fn put_pace(&mut self, pace: Option<Box<Pace>>) {
+    pub(crate) fn put_pace(&mut self, pace: Option<Box<FeedPlanner>>) {
         self.pace = pace;
     }
 
@@ -65,15 +65,15 @@ impl Emitter<'_> {
     #[inline(always)]
     pub(crate) fn emit_move(
         &mut self,
-        (at, times): (&At, &mut MoveTimes<'_>),
+        (at, times): (&ExecutionPoint, &mut MoveTimes<'_>),
         (ns, motion): (i64, &Motion),
-        (stretch, exact): (&Stretch, bool),
+        (stretch, exact): (&FeedMove, bool),
         jumps: impl Iterator<Item = (usize, f64)>,
     ) {
         if self.pace.as_ref().is_some_and(|pace| pace.stops) {
             self.time_moves(times);
         }
-        let At { channel, clock, micro, file, line, caller, .. } = *at;
+        let ExecutionPoint { channel, clock, micro, file, line, caller, .. } = *at;
         let kind = Kind::Motion(*motion);
         let Some(pace) = &mut self.pace else { return };
         pace.add(Event { t_ns: clock, micro, dur_ns: ns, channel, file, line, caller, kind });
@@ -138,7 +138,7 @@ impl Emitter<'_> {
     }
 
     /// Times the moves that can be timed; sets the clock if no move is left. Returns the delay of the clock, ns.
-    pub(crate) fn keep_pace(&mut self, at: &mut At, times: &mut MoveTimes<'_>) -> i64 {
+    pub(crate) fn keep_pace(&mut self, at: &mut ExecutionPoint, times: &mut MoveTimes<'_>) -> i64 {
         if let Some(pace) = self.pace.as_mut().filter(|pace| pace.is_out_of_moves()) {
             pace.stop();
         }
@@ -147,14 +147,14 @@ impl Emitter<'_> {
     }
 
     /// Stops the path here: times all moves and sets the clock. Returns the delay of the clock, ns.
-    pub(crate) fn rest(&mut self, at: &mut At, times: &mut MoveTimes<'_>) -> i64 {
+    pub(crate) fn rest(&mut self, at: &mut ExecutionPoint, times: &mut MoveTimes<'_>) -> i64 {
         self.stop_path();
         self.time_moves(times);
         self.set_clock(at)
     }
 
     /// Sets the clock to the end of the timed moves, and delays the events that compensation holds back.
-    fn set_clock(&mut self, at: &mut At) -> i64 {
+    fn set_clock(&mut self, at: &mut ExecutionPoint) -> i64 {
         let Some(pace) = &mut self.pace else { return 0 };
         pace.shift();
         let (late, count) = (std::mem::take(&mut pace.late), pace.events.len());
@@ -172,8 +172,8 @@ impl Emitter<'_> {
     }
 
     /// Adds an event of this block at this time, ns, during the last move.
-    pub(crate) fn emit_during(&mut self, at: &At, (t_ns, micro): (i64, u32), kind: Kind) {
-        let At { channel, file, line, caller, .. } = *at;
+    pub(crate) fn emit_during(&mut self, at: &ExecutionPoint, (t_ns, micro): (i64, u32), kind: Kind) {
+        let ExecutionPoint { channel, file, line, caller, .. } = *at;
         if let Some(pace) = &mut self.pace {
             pace.add_during(Event { t_ns, micro, dur_ns: 0, channel, file, line, caller, kind });
         }

@@ -2,12 +2,12 @@
 //!
 //! *Invariant:* a channel without frames has no active compensation.
 
-use crate::state::cutter::Cutter;
-use crate::state::position::Place;
+use crate::state::cutter::CutterCompensation;
+use crate::state::position::MotionState;
 
-impl Place {
+impl MotionState {
     /// Compensation, if it is active.
-    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
+    pub(crate) fn cutter(&mut self) -> Option<&mut CutterCompensation> {
         self.frames.as_deref_mut()?.cutter.as_deref_mut()
     }
 

@@ -1,13 +1,13 @@
 //! Distances between positions, in geometry units.
 
-use super::Frames;
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use super::FrameTransforms;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_event::event::{FeedUnit, MAX_AXES, Position};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::BySlot;
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The changes that count for a feed. A degree counts as a unit of length of the program (Fanuc B-63174EN/03 4.2),
     /// unless degrees are distances along the part or its tip, or the control counts certain axes only.
     pub(crate) fn feed_ways(&self, changes: &Position) -> Position {
@@ -17,7 +17,8 @@ impl Channel<'_> {
         let mut out = *changes;
         let unit = self.unit_factor(Dimension::Feed);
         let frames = self.state.place.frames.as_deref();
-        let on_part = |frames: &Frames| frames.tip.is_some() || frames.polar.is_some() || frames.feeds.rotary_length;
+        let on_part =
+            |frames: &FrameTransforms| frames.tip.is_some() || frames.polar.is_some() || frames.feeds.rotary_length;
         if unit != 1.0 && !frames.is_some_and(on_part) {
             for (slot, _) in out.iter_mut().zip(&self.state.place.layout.axes).filter(|(_, axis)| axis.rotary) {
                 *slot *= unit;
@@ -38,7 +39,7 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Change of each axis in geometry units (radius on a diameter axis).
     pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];

@@ -5,7 +5,7 @@
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 
 /// Properties of feeds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -16,7 +16,7 @@ pub(crate) struct Feeds {
     pub(crate) rotary_length: bool,
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// How far the tip is from the line about which a rotary axis leads it over the part, at a point of the work frame.
     fn turn_radius(&self, from: &Position, axis: AxisSlot) -> f64 {
         let machine = self.state.place.machine_point(from);

@@ -2,19 +2,19 @@
 //!
 //! *Invariant:* without an active cycle nothing is done.
 
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Where the levels of an active cycle are in the machine.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Levels {
+pub(crate) struct CycleLevels {
     axis: AxisSlot,
     initial: Position,
     reference: Position,
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The level at which a cycle starts. Where the control moves axes by changes of the tool length, a pending change
     /// is travelled on the way to the hole.
     pub(crate) fn cycle_level(&self, axis: AxisSlot) -> f64 {
@@ -27,7 +27,7 @@ impl Channel<'_> {
     }
 
     /// The levels of an active cycle, taken before frames change.
-    pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
+    pub(crate) fn cycle_levels(&mut self) -> Option<CycleLevels> {
         let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
         let [initial, reference] =
             [self.state.cycle.heights.initial, self.state.cycle.heights.reference].map(|level| {
@@ -36,12 +36,12 @@ impl Channel<'_> {
                 let work = self.state.place.work_point(&at);
                 self.state.place.machine_point(&work)
             });
-        Some(Levels { axis, initial, reference })
+        Some(CycleLevels { axis, initial, reference })
     }
 
     /// Puts them back after the change.
-    pub(crate) fn keep_levels(&mut self, levels: Option<Levels>) {
-        let Some(Levels { axis, initial, reference }) = levels else { return };
+    pub(crate) fn keep_levels(&mut self, levels: Option<CycleLevels>) {
+        let Some(CycleLevels { axis, initial, reference }) = levels else { return };
         let [initial, reference] = [initial, reference].map(|machine| {
             let work = self.state.place.point_of_machine(&machine);
             Some(self.state.place.program_point(&work).at(axis)).filter(|level| level.is_finite())

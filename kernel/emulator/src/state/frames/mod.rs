@@ -2,20 +2,20 @@
 //!
 //! | point | is | here |
 //! |---|---|---|
-//! | programmed | the values of the words, in the local frame | [`Channel::programmed`] |
-//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Channel::work_point`] |
-//! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
+//! | programmed | the values of the words, in the local frame | [`ChannelContext::programmed`] |
+//! | work | after scale, mirror, rotation, translation; events and `MotionState::position` | [`ChannelContext::work_point`] |
+//! | machine | after fixture offset, presets and length compensation (`MotionState::shift`) | [`ChannelContext::machine_point`] |
 //!
 //! Lengths, feeds and arcs are those of the work frame. Transformations that couple axes to each other between the work
-//! frame and the axes of the machine (tool tip control, tilted planes) are in [`Channel::machine_point`] and its
-//! inverse [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions
+//! frame and the axes of the machine (tool tip control, tilted planes) are in [`ChannelContext::machine_point`] and its
+//! inverse [`ChannelContext::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions
 //! and rates of rapids all use these two. Changes of programmed words before they are points are in
-//! [`Channel::work_point`] and [`Channel::programmed`]; polar interpolation is there, since events name the axes.
+//! [`ChannelContext::work_point`] and [`ChannelContext::programmed`]; polar interpolation is there, since events name the axes.
 //!
-//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point
+//! Under compensation of the cutter radius `MotionState::position` is where the tool is, and [`ChannelContext::contour`] the point
 //! of the work frame that the program has reached.
 //!
-//! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
+//! Invariant: `MotionState::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
 mod compensated;
@@ -33,12 +33,12 @@ pub(crate) mod words;
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::beside::{Beside, Line, Lines, SAME};
-use counterpoint_motion::frame::local::{Local, Programmed, Refused};
+use counterpoint_motion::frame::beside::{AuxiliaryFrame, AxisMap, Lines, SAME};
+use counterpoint_motion::frame::local::{FrameError, LocalFrame, Programmed};
 use std::collections::BTreeMap;
 
-use super::channel::Channel;
-use super::position::Place;
+use super::channel::ChannelContext;
+use super::position::MotionState;
 use counterpoint_event::event::Position;
 
 /// Differences below this are none.
@@ -50,23 +50,23 @@ const FINE: f64 = 1e6;
 
 /// Transformations between the words of the program and the axes, besides the plain shift.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Frames {
+pub(crate) struct FrameTransforms {
     /// The local frame.
-    pub(crate) local: Local,
+    pub(crate) local: LocalFrame,
     /// The same for axes other than X, Y and Z.
-    pub(crate) beside: Option<Box<Beside>>,
+    pub(crate) beside: Option<Box<AuxiliaryFrame>>,
     /// Polar or cylindrical interpolation.
-    pub(crate) polar: Option<polar::Polar>,
+    pub(crate) polar: Option<polar::PolarInterpolation>,
     /// Words of the plane are a radius and an angle: those of the last block.
     pub(crate) words: Option<words::PolarWords>,
     /// A tilted plane.
     pub(crate) tilt: Option<Box<tilt::Tilted>>,
     /// A tilted plane whose definition is not complete.
-    pub(crate) parts: Option<Box<tilt::Parts>>,
+    pub(crate) parts: Option<Box<tilt::PartialPlane>>,
     /// Tool tip control.
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
-    pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
+    pub(crate) cutter: Option<Box<super::cutter::CutterCompensation>>,
     /// All corners are rounded, with this radius.
     pub(crate) rounding: Option<f64>,
     /// Feeds that depend on the way.
@@ -82,7 +82,7 @@ pub(crate) struct Frames {
 /// A local shift of X, Y and Z, and of their parallel axes.
 pub(crate) type Shift = (Option<Programmed>, Option<Lines>);
 
-impl Frames {
+impl FrameTransforms {
     /// Whether nothing is active any more.
     fn is_idle(&self) -> bool {
         self.local.is_empty()
@@ -101,11 +101,11 @@ impl Frames {
 
     /// Whether a local frame is programmed and not switched off.
     pub(crate) fn is_on(&self) -> bool {
-        self.local.is_on() || self.beside.as_deref().is_some_and(Beside::is_on)
+        self.local.is_on() || self.beside.as_deref().is_some_and(AuxiliaryFrame::is_on)
     }
 
     /// Switches the programmed parts of the local frame off, or on again. `has`: the channel has an X, Y, Z axis.
-    pub(crate) fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
+    pub(crate) fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), FrameError> {
         self.local.switch(on, has)?;
         if let Some(beside) = &mut self.beside {
             **beside = beside.switched(on);
@@ -126,7 +126,7 @@ impl Frames {
 
     /// The linear axes at a point of the work frame; `machine` has the rotary axes already.
     #[cold]
-    fn to_linear(&self, place: &Place, work: &Position, machine: &mut Position) {
+    fn to_linear(&self, place: &MotionState, work: &Position, machine: &mut Position) {
         let point = place.geometry(work);
         let point = self.tilt.as_deref().map_or(point, |tilt| tilt.outwards(point));
         let linear = match (&self.tip, &self.tilt) {
@@ -139,7 +139,7 @@ impl Frames {
 
     /// The point of the work frame where the axes are; `work` has the rotary axes already.
     #[cold]
-    fn to_part(&self, place: &Place, machine: &Position, work: &mut Position) {
+    fn to_part(&self, place: &MotionState, machine: &Position, work: &mut Position) {
         let linear = place.geometry(machine);
         let point = match (&self.tip, &self.tilt) {
             (Some(tip), _) => tip.to_part(place, linear, machine),
@@ -152,14 +152,15 @@ impl Frames {
     }
 
     /// Axis that says the distance across while words are coordinates of the part.
-    fn across(&self, place: &Place) -> Option<AxisSlot> {
+    fn across(&self, place: &MotionState) -> Option<AxisSlot> {
         let x = place.layout.cartesian.first().copied().flatten();
-        let across = |polar: &polar::Polar| polar.cartesian && (polar.is_cylinder() || Some(polar.linear) == x);
+        let across =
+            |polar: &polar::PolarInterpolation| polar.cartesian && (polar.is_cylinder() || Some(polar.linear) == x);
         self.polar.filter(across).map(|polar| polar.rotary)
     }
 
     /// A programmed point as the local frame sees it; the distance across counts as Y.
-    pub(crate) fn seen(&self, place: &Place, programmed: &Position) -> Point {
+    pub(crate) fn seen(&self, place: &MotionState, programmed: &Position) -> Point {
         let mut point = place.geometry(programmed);
         if let Some(across) = self.across(place) {
             point[1] = programmed.at(across);
@@ -169,7 +170,7 @@ impl Frames {
 
     /// Transforms the axes other than X, Y and Z. Polar and cylindrical interpolation count the rotary axis in the
     /// work frame (Siemens MD24905 and MD24805 = 0).
-    fn beside(&self, place: &Place, position: &mut Position, lead: impl Fn(Line, f64) -> f64) {
+    fn beside(&self, place: &MotionState, position: &mut Position, lead: impl Fn(AxisMap, f64) -> f64) {
         let Some(beside) = &self.beside else { return };
         let polar = self.polar.map(|polar| polar.rotary);
         for axis in place.layout.axes.ids().filter(|axis| place.layout.is_beside(*axis) && polar != Some(*axis)) {
@@ -179,7 +180,7 @@ impl Frames {
     }
 
     /// Puts a point transformed by the local frame back.
-    fn put(&self, place: &Place, position: &mut Position, mut point: Point) {
+    fn put(&self, place: &MotionState, position: &mut Position, mut point: Point) {
         if let Some(across) = self.across(place) {
             *position.at_mut(across) = clean(point[1], position.at(across));
             point[1] = place.geometry(position)[1];
@@ -188,7 +189,7 @@ impl Frames {
     }
 }
 
-impl Place {
+impl MotionState {
     /// X, Y, Z of a position as geometry; 0 for an axis that the channel does not have.
     pub(crate) fn geometry(&self, position: &Position) -> Point {
         self.layout.cartesian.map(|axis| axis.map_or(0.0, |axis| position.at(axis) * self.layout.axes[axis].scale))
@@ -226,7 +227,7 @@ pub(crate) fn clean(value: f64, old: f64) -> f64 {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Changes the transformation from the work frame to the axes: the axes and the contour keep their positions.
     pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
         let machine = self.state.place.machine_point(&self.state.place.position);
@@ -246,11 +247,11 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Linear axes do not follow the work frame one by one.
     #[inline(always)]
     pub(crate) fn couples(&self) -> bool {
-        self.frames.as_deref().is_some_and(Frames::couples)
+        self.frames.as_deref().is_some_and(FrameTransforms::couples)
     }
 
     /// The programmed point where the channel is.
@@ -270,7 +271,7 @@ impl Place {
 
     /// The programmed point of a point of the work frame.
     #[cold]
-    fn programmed_point(&self, frames: &Frames, work: &Position) -> Position {
+    fn programmed_point(&self, frames: &FrameTransforms, work: &Position) -> Position {
         if let Some([reached, programmed]) = &frames.reached
             && reached == work
         {
@@ -282,7 +283,7 @@ impl Place {
         }
         let seen = frames.seen(self, &point);
         frames.put(self, &mut point, frames.local.to_program(seen));
-        frames.beside(self, &mut point, Line::to_program);
+        frames.beside(self, &mut point, AxisMap::to_program);
         point
     }
 
@@ -327,7 +328,7 @@ impl Place {
         let Some(frames) = self.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
         frames.put(self, &mut work, frames.local.to_work(frames.seen(self, programmed)));
-        frames.beside(self, &mut work, Line::to_work);
+        frames.beside(self, &mut work, AxisMap::to_work);
         for (slot, stands) in work.iter_mut().zip(self.contour()) {
             *slot = clean(*slot, stands);
         }
@@ -382,7 +383,7 @@ impl Place {
     }
 
     /// The frames, made if there are none.
-    pub(crate) fn frames(&mut self) -> &mut Frames {
+    pub(crate) fn frames(&mut self) -> &mut FrameTransforms {
         self.frames.get_or_insert_default()
     }
 
@@ -391,7 +392,7 @@ impl Place {
         if let Some(frames) = self.frames.as_deref_mut() {
             frames.reached = None;
         }
-        if self.frames.as_deref().is_some_and(Frames::is_idle) {
+        if self.frames.as_deref().is_some_and(FrameTransforms::is_idle) {
             self.frames = None;
         }
     }

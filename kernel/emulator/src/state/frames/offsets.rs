@@ -7,7 +7,7 @@
 use counterpoint_machine::index::BySlot;
 use std::collections::BTreeMap;
 
-use crate::state::channel::Channel;
+use crate::state::channel::ChannelContext;
 use counterpoint_dialect::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Affine;
@@ -65,14 +65,14 @@ impl Offsets {
 
     /// Stores an offset, which takes effect when the frame is rebuilt. Returns `false` if the table is full or a value
     /// is out of bounds.
-    pub(crate) fn store(&mut self, table: Table, number: u32, values: Position) -> bool {
+    pub(crate) fn store(&mut self, table: OffsetTable, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;
         }
         let slot = match table {
-            Table::Work => &mut self.work,
-            Table::Length => &mut self.length,
-            Table::Wear => &mut self.wear,
+            OffsetTable::Work => &mut self.work,
+            OffsetTable::Length => &mut self.length,
+            OffsetTable::Wear => &mut self.wear,
         };
         if slot.len() >= MOST && !slot.contains_key(&number) {
             return false;
@@ -95,7 +95,7 @@ impl Offsets {
 
 /// A table of offsets with a value per axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Table {
+pub(crate) enum OffsetTable {
     Work,
     Length,
     /// Wear, which is added to the length.
@@ -125,14 +125,14 @@ impl Offsets {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Values of an offset.
-    pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
+    pub(crate) fn offset_values(&self, table: OffsetTable, number: u32) -> Position {
         let set = self.state.place.offsets.as_deref().and_then(|offsets| {
             let table = match table {
-                Table::Work => &offsets.work,
-                Table::Length => &offsets.length,
-                Table::Wear => &offsets.wear,
+                OffsetTable::Work => &offsets.work,
+                OffsetTable::Length => &offsets.length,
+                OffsetTable::Wear => &offsets.wear,
             };
             table.get(&number)
         });
@@ -140,14 +140,14 @@ impl Channel<'_> {
             return *values;
         }
         let known = self.env.machine.work_offsets.len();
-        if table == Table::Work && number != NO_OFFSET && number as usize > known {
+        if table == OffsetTable::Work && number != NO_OFFSET && number as usize > known {
             return self.part_zero();
         }
         let own = || self.env.machine.tool.offsets.iter().find(|own| own.number == number);
         let values = match table {
-            Table::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
-            Table::Length => own().map(|own| &own.values),
-            Table::Wear => own().map(|own| &own.wear),
+            OffsetTable::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
+            OffsetTable::Length => own().map(|own| &own.values),
+            OffsetTable::Wear => own().map(|own| &own.wear),
         };
         let mut position = [0.0; MAX_AXES];
         if let Some(values) = values {
@@ -169,8 +169,8 @@ impl Channel<'_> {
 
     /// Length and wear of an offset together.
     pub(crate) fn worn_length(&self, number: u32) -> Position {
-        let mut values = self.offset_values(Table::Length, number);
-        for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
+        let mut values = self.offset_values(OffsetTable::Length, number);
+        for (slot, wear) in values.iter_mut().zip(self.offset_values(OffsetTable::Wear, number)) {
             *slot += wear;
         }
         values

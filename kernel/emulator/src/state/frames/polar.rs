@@ -7,9 +7,9 @@
 //! control-emulator.md 6.8, turning-cycles.md 10. *Invariant:* on the face the rotary axis never turns further than the
 //! move goes around the centre.
 
-use super::{Frames, NOISE, clean};
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use super::{FrameTransforms, NOISE, clean};
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::turn;
@@ -19,19 +19,19 @@ const CENTRE: f64 = 1e-9;
 
 /// The axes of the interpolation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Polar {
+pub(crate) struct PolarInterpolation {
     /// Channel axis that goes to the centre and away.
     pub(crate) linear: AxisSlot,
     /// Channel axis that turns.
     pub(crate) rotary: AxisSlot,
     /// Words are coordinates.
     pub(crate) cartesian: bool,
-    shape: Shape,
+    shape: InterpolationSurface,
 }
 
 /// The part of the workpiece that the axes reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Shape {
+enum InterpolationSurface {
     Face {
         /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
         zero: f64,
@@ -78,30 +78,30 @@ pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
     sum
 }
 
-impl Polar {
+impl PolarInterpolation {
     /// Interpolation on the face that begins where the axes are.
-    pub(crate) fn new(place: &Place, linear: AxisSlot, rotary: AxisSlot, cartesian: bool) -> Self {
+    pub(crate) fn new(place: &MotionState, linear: AxisSlot, rotary: AxisSlot, cartesian: bool) -> Self {
         let at = |of: &Position, axis: AxisSlot| of.at(axis);
         let zero = at(&place.position, rotary) + at(&place.shift, rotary);
         let side = if at(&place.position, linear) < 0.0 { -1.0 } else { 1.0 };
-        Self { linear, rotary, cartesian, shape: Shape::Face { zero, side } }
+        Self { linear, rotary, cartesian, shape: InterpolationSurface::Face { zero, side } }
     }
 
     /// Interpolation on a cylinder of this radius about the rotary axis; its linear axis goes along it.
     pub(crate) fn cylinder([linear, rotary]: [AxisSlot; 2], radius: f64, round_first: bool, cartesian: bool) -> Self {
-        let shape = Shape::Cylinder { per_degree: radius.to_radians(), round_first };
+        let shape = InterpolationSurface::Cylinder { per_degree: radius.to_radians(), round_first };
         Self { linear, rotary, cartesian, shape }
     }
 
     /// Whether it is that of a cylinder.
     pub(crate) fn is_cylinder(&self) -> bool {
-        matches!(self.shape, Shape::Cylinder { .. })
+        matches!(self.shape, InterpolationSurface::Cylinder { .. })
     }
 
     /// Its axes in the order of the coordinates of its plane.
     pub(crate) fn axes(&self) -> [AxisSlot; 2] {
         match self.shape {
-            Shape::Cylinder { round_first: true, .. } => [self.rotary, self.linear],
+            InterpolationSurface::Cylinder { round_first: true, .. } => [self.rotary, self.linear],
             _ => [self.linear, self.rotary],
         }
     }
@@ -109,52 +109,52 @@ impl Polar {
     /// Distance on the surface of a cylinder per degree.
     pub(crate) fn per_degree(&self) -> Option<f64> {
         match self.shape {
-            Shape::Cylinder { per_degree, .. } => Some(per_degree),
-            Shape::Face { .. } => None,
+            InterpolationSurface::Cylinder { per_degree, .. } => Some(per_degree),
+            InterpolationSurface::Face { .. } => None,
         }
     }
 
     /// The angle of the rotary axis in the work frame where the first coordinate points along the linear axis.
-    fn zero(&self, place: &Place, zero: f64) -> f64 {
+    fn zero(&self, place: &MotionState, zero: f64) -> f64 {
         if self.cartesian { zero - place.shift.at(self.rotary) } else { 0.0 }
     }
 
-    fn scale(&self, place: &Place) -> f64 {
+    fn scale(&self, place: &MotionState) -> f64 {
         place.layout.axes[self.linear].scale
     }
 
     /// The point of the part that the axes reach.
-    pub(crate) fn part(&self, place: &Place, real: &Position) -> [f64; 2] {
+    pub(crate) fn part(&self, place: &MotionState, real: &Position) -> [f64; 2] {
         let along = real.at(self.linear) * self.scale(place);
         match self.shape {
-            Shape::Face { zero, .. } => {
+            InterpolationSurface::Face { zero, .. } => {
                 let (sine, cosine) = turn(real.at(self.rotary) - self.zero(place, zero));
                 [along * cosine, along * sine]
             }
-            Shape::Cylinder { per_degree, round_first } => {
+            InterpolationSurface::Cylinder { per_degree, round_first } => {
                 in_order(round_first, [along, real.at(self.rotary) * per_degree])
             }
         }
     }
 
     /// A point of the part by X at C0 and the direction at right angles to it, on a face.
-    pub(crate) fn on_face(&self, place: &Place, [along, across]: [f64; 2]) -> Option<[f64; 2]> {
-        let Shape::Face { zero, .. } = self.shape else { return None };
+    pub(crate) fn on_face(&self, place: &MotionState, [along, across]: [f64; 2]) -> Option<[f64; 2]> {
+        let InterpolationSurface::Face { zero, .. } = self.shape else { return None };
         let (sine, cosine) = turn(self.zero(place, zero));
         Some([along * cosine - across * sine, along * sine + across * cosine])
     }
 
     /// Puts the axes to a point of the part. `round`: degrees of the way around the centre of a face from where they
     /// are.
-    pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
+    pub(crate) fn reach(&self, place: &MotionState, real: &mut Position, to: [f64; 2], round: f64) {
         let stands = place.position.at(self.rotary);
         match self.shape {
-            Shape::Cylinder { per_degree, round_first } => {
+            InterpolationSurface::Cylinder { per_degree, round_first } => {
                 let [along, way] = in_order(round_first, to);
                 *real.at_mut(self.linear) = fine(along / self.scale(place), real.at(self.linear));
                 *real.at_mut(self.rotary) = fine(way / per_degree, stands);
             }
-            Shape::Face { zero, side } => {
+            InterpolationSurface::Face { zero, side } => {
                 let [x, y] = to;
                 let distance = x.hypot(y);
                 *real.at_mut(self.linear) = fine(side * distance / self.scale(place), real.at(self.linear));
@@ -171,13 +171,13 @@ impl Polar {
     }
 
     /// Puts the axes to a point of the part, straight from where they are.
-    pub(crate) fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
+    pub(crate) fn reach_straight(&self, place: &MotionState, real: &mut Position, to: [f64; 2]) {
         let round = if self.is_cylinder() { 0.0 } else { between(self.part(place, &place.position), to) };
         self.reach(place, real, to, round);
     }
 
     /// Coordinates instead of the axes.
-    pub(crate) fn to_program(self, place: &Place, point: &mut Position) {
+    pub(crate) fn to_program(self, place: &MotionState, point: &mut Position) {
         if !self.cartesian {
             return;
         }
@@ -191,7 +191,7 @@ impl Polar {
     }
 
     /// The axes instead of coordinates.
-    pub(crate) fn to_axes(self, place: &Place, point: &mut Position) {
+    pub(crate) fn to_axes(self, place: &MotionState, point: &mut Position) {
         if !self.cartesian {
             return;
         }
@@ -210,7 +210,7 @@ fn in_order(round_first: bool, [one, other]: [f64; 2]) -> [f64; 2] {
     if round_first { [other, one] } else { [one, other] }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Change of each coordinate that the feed counts: under polar and cylindrical interpolation those of the
     /// part.
     #[inline(always)]
@@ -242,10 +242,10 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Polar or cylindrical interpolation, if it is active.
-    pub(crate) fn polar(&self) -> Option<Polar> {
-        self.frames.as_deref().and_then(|frames: &Frames| frames.polar)
+    pub(crate) fn polar(&self) -> Option<PolarInterpolation> {
+        self.frames.as_deref().and_then(|frames: &FrameTransforms| frames.polar)
     }
 }
 

@@ -1,9 +1,9 @@
 //! How far the machine frame lies from the work frame: presets, work offset and tool together.
 
-use super::offsets::{BASE, Table};
-use crate::state::channel::Channel;
+use super::offsets::{BASE, OffsetTable};
+use crate::state::channel::ChannelContext;
 use crate::state::modal::group;
-use crate::state::position::Place;
+use crate::state::position::MotionState;
 use counterpoint_dialect::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
@@ -12,7 +12,7 @@ use counterpoint_machine::model::LengthInMachineFrame;
 
 pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The part of the shift that is the tool.
     pub(crate) fn tool_shift(&self) -> Position {
         let place = &self.state.place;
@@ -21,7 +21,7 @@ impl Channel<'_> {
         if place.in_force.tool_offset != BASE {
             add(self.worn_length(place.in_force.tool_offset));
             if place.offsets.is_some() && place.in_force.length_sign == 0.0 {
-                add(self.state.place.directed(self.offset_values(Table::Length, BASE)));
+                add(self.state.place.directed(self.offset_values(OffsetTable::Length, BASE)));
             }
         }
         shift
@@ -42,7 +42,7 @@ impl Channel<'_> {
             add(self.length_values());
         }
         if place.offsets.is_some() {
-            add(self.state.place.directed(self.offset_values(Table::Length, BASE)));
+            add(self.state.place.directed(self.offset_values(OffsetTable::Length, BASE)));
         }
         let off = |slot: &AxisSlot| in_force.length_off & slot.bit() != 0;
         place.layout.axes.ids().filter(off).for_each(|slot| *shift.at_mut(slot) = 0.0);
@@ -57,9 +57,9 @@ impl Channel<'_> {
 
     /// Called before an offset gets new values: if the control changes the active values only by a word, keeps the old
     /// ones.
-    pub(crate) fn hold_length(&mut self, table: Table, number: u32) {
+    pub(crate) fn hold_length(&mut self, table: OffsetTable, number: u32) {
         let in_force = &self.state.place.in_force;
-        let concerns = table != Table::Work && number == in_force.length_number && in_force.length_sign != 0.0;
+        let concerns = table != OffsetTable::Work && number == in_force.length_number && in_force.length_sign != 0.0;
         if concerns && number != BASE && self.env.machine.compensation.length.by_word {
             self.state.place.in_force.length_held = Some(self.length_values());
         }
@@ -95,11 +95,11 @@ impl Channel<'_> {
                 *slot += value + more;
             }
         };
-        add(self.offset_values(Table::Work, place.in_force.work_offset), self.tool_shift());
+        add(self.offset_values(OffsetTable::Work, place.in_force.work_offset), self.tool_shift());
         if place.in_force.work_offset == BASE {
-            add(self.part_zero(), self.offset_values(Table::Work, NO_OFFSET));
+            add(self.part_zero(), self.offset_values(OffsetTable::Work, NO_OFFSET));
         } else if place.offsets.is_some() {
-            add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
+            add(self.offset_values(OffsetTable::Work, BASE), [0.0; MAX_AXES]);
         }
         shift
     }
@@ -121,7 +121,7 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Length compensation along one direction, with the amount that the offset has along Z.
     pub(crate) fn directed(&self, values: Position) -> Position {
         let direction = self.compensation.direction;

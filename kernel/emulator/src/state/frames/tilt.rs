@@ -8,19 +8,19 @@
 //! siemens-cycles.md 2; Fanuc user's manual B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions:
 //! docs/emulation.md, "Tilted planes".
 
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::Tilting;
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::beside::Line;
+use counterpoint_motion::frame::beside::AxisMap;
 use counterpoint_motion::frame::kinematics::unit;
-use counterpoint_motion::frame::local::Local;
-use counterpoint_motion::frame::orient::{Free, Rule, Side, Stand, Unreached};
+use counterpoint_motion::frame::local::LocalFrame;
+use counterpoint_motion::frame::orient::{FreeAxisPolicy, OrientationError, PairRule, RotaryAxisState, TiltRequest};
 use counterpoint_motion::frame::plane::UNITS;
 
-use super::Frames;
+use super::FrameTransforms;
 
 /// Angles of the rotary axes in the machine frame.
 pub(crate) type Turned = Vec<(AxisSlot, f64)>;
@@ -32,7 +32,7 @@ pub(crate) struct Tilted {
     map: Affine,
     back: Affine,
     /// The local frame around it.
-    outer: Local,
+    outer: LocalFrame,
     /// Where the rotary axes are to be, once that is known.
     pub(crate) angles: Option<Turned>,
     /// Where the tables bring the part, the way back, and where the heads bring the tool; nothing before it is turned
@@ -44,7 +44,7 @@ pub(crate) struct Tilted {
 
 /// The program's data for a later plane.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Wishes {
+pub(crate) struct PlanePreferences {
     /// Of two solutions the one with the tilting axis on this side.
     pub(crate) side: Option<bool>,
     /// An axis that has nothing to do turns the plane.
@@ -53,7 +53,7 @@ pub(crate) struct Wishes {
 
 /// Blocks of a definition that is not complete.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Parts {
+pub(crate) struct PartialPlane {
     /// Three points, otherwise two directions.
     pub(crate) points: bool,
     /// Coordinates of a point and parts of a direction, by number of the block.
@@ -78,13 +78,13 @@ impl Tilted {
         &self.map
     }
 
-    fn length(&self, place: &Place) -> (Point, Point) {
+    fn length(&self, place: &MotionState) -> (Point, Point) {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool));
         (fixture, place.geometry(&self.tool))
     }
 
     /// The linear axes at a point of the frame without the plane.
-    pub(super) fn to_linear(&self, place: &Place, point: Point) -> Point {
+    pub(super) fn to_linear(&self, place: &MotionState, point: Point) -> Point {
         let (fixture, tool) = self.length(place);
         let part = plus(point, fixture);
         match &self.bring {
@@ -96,7 +96,7 @@ impl Tilted {
     }
 
     /// The point of the frame without the plane where the linear axes are.
-    pub(super) fn to_part(&self, place: &Place, linear: Point) -> Point {
+    pub(super) fn to_part(&self, place: &MotionState, linear: Point) -> Point {
         let (fixture, tool) = self.length(place);
         let back = |value: f64| -value;
         let part = match &self.bring {
@@ -111,7 +111,7 @@ fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
     [a + x, b + y, c + z]
 }
 
-impl Frames {
+impl FrameTransforms {
     /// A direction of the program on the part.
     pub(crate) fn direction(&self, of: Point) -> Point {
         let work = self.local.map().direction(of);
@@ -125,19 +125,19 @@ impl Frames {
     }
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Makes a plane the active one; `false` if it has no way back. The machine does not move.
     pub(crate) fn tilt(&mut self, map: Affine, angles: Option<Turned>) -> bool {
         let Some(back) = map.inverse() else { return false };
         let outer = match self.state.place.frames.as_deref() {
-            Some(Frames { tilt: Some(tilt), .. }) => tilt.outer.clone(),
+            Some(FrameTransforms { tilt: Some(tilt), .. }) => tilt.outer.clone(),
             Some(frames) => frames.local.clone(),
-            None => Local::default(),
+            None => LocalFrame::default(),
         };
         let assumed = self.env.machine.kinematics.tilting.assumed;
         let bring = angles.as_ref().filter(|_| assumed).map(|angles| self.brought(angles));
         let tool = self.tool_shift();
-        self.put_plane(Some(Box::new(Tilted { map, back, outer, angles, bring, tool })), Local::default());
+        self.put_plane(Some(Box::new(Tilted { map, back, outer, angles, bring, tool })), LocalFrame::default());
         true
     }
 
@@ -153,21 +153,21 @@ impl Channel<'_> {
     }
 
     /// Takes the plane off for a while.
-    pub(crate) fn lift_plane(&mut self) -> Option<(Box<Tilted>, Local)> {
+    pub(crate) fn lift_plane(&mut self) -> Option<(Box<Tilted>, LocalFrame)> {
         let frames = self.state.place.frames.as_deref()?;
         let lifted = (frames.tilt.clone()?, frames.local.clone());
-        self.put_plane(None, Local::default());
+        self.put_plane(None, LocalFrame::default());
         Some(lifted)
     }
 
     /// Puts it back, turned into with these angles.
-    pub(crate) fn turned_into(&mut self, (mut tilt, local): (Box<Tilted>, Local), angles: Turned) {
+    pub(crate) fn turned_into(&mut self, (mut tilt, local): (Box<Tilted>, LocalFrame), angles: Turned) {
         tilt.bring = Some(self.brought(&angles));
         tilt.angles = Some(angles);
         self.put_plane(Some(tilt), local);
     }
 
-    fn put_plane(&mut self, tilt: Option<Box<Tilted>>, local: Local) {
+    fn put_plane(&mut self, tilt: Option<Box<Tilted>>, local: LocalFrame) {
         let levels = self.cycle_levels();
         let before = self.counts_from();
         self.standing(|channel| {
@@ -201,19 +201,21 @@ impl Channel<'_> {
     ///
     /// # Errors
     /// The rotary axes cannot go there.
-    pub(crate) fn angles_into(&self, map: &Affine) -> Result<Turned, Unreached> {
+    pub(crate) fn angles_into(&self, map: &Affine) -> Result<Turned, OrientationError> {
         let Tilting { turns, way, larger, zero, .. } = self.env.machine.kinematics.tilting;
         let wishes = &self.state.others.tilt;
-        let side = wishes.side.map(|positive| if larger { Side::Larger(positive) } else { Side::Sign(positive) });
+        let side = wishes
+            .side
+            .map(|positive| if larger { TiltRequest::Larger(positive) } else { TiltRequest::Sign(positive) });
         let chain = self.chain();
         let [x, _, z] = UNITS;
         let free = match (wishes.table, chain.tables.last()) {
             // The plane turned about the axis of the table.
-            (true, Some(table)) => Free::At(angle_about(table.vector, x, map.direction(x))),
-            _ if zero => Free::At(0.0),
-            _ => Free::Stays,
+            (true, Some(table)) => FreeAxisPolicy::At(angle_about(table.vector, x, map.direction(x))),
+            _ if zero => FreeAxisPolicy::At(0.0),
+            _ => FreeAxisPolicy::Stays,
         };
-        let rule = Rule { turns, way, side, free };
+        let rule = PairRule { turns, way, side, free };
         chain.reach(map.direction(z), &rule, |axis| self.state.place.stand(axis))
     }
 
@@ -242,7 +244,7 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// The active plane.
     pub(crate) fn tilted(&self) -> Option<&Tilted> {
         self.frames.as_deref().and_then(|frames| frames.tilt.as_deref())
@@ -270,15 +272,15 @@ impl Place {
     }
 
     /// The linear map of an axis other than X, Y and Z in the local frame.
-    pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<Line> {
+    pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<AxisMap> {
         let beside = self.frames.as_deref()?.beside.as_deref()?;
         Some(beside.map().at(axis))
     }
 
     /// Position and travel limits of a rotary axis.
-    pub(crate) fn stand(&self, axis: AxisSlot) -> Stand {
+    pub(crate) fn stand(&self, axis: AxisSlot) -> RotaryAxisState {
         let at = self.position.at(axis) + self.shift.at(axis);
-        Stand { at, travel: self.layout.axes[axis].limits }
+        RotaryAxisState { at, travel: self.layout.axes[axis].limits }
     }
 }
 

@@ -3,8 +3,8 @@
 //! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow.
 //! Facts: reference control-emulator.md 6.8. *Invariant:* switching it never moves the machine.
 
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -24,7 +24,7 @@ pub(crate) struct Tip {
 
 /// Settings that stay when it is switched off.
 #[derive(Debug, Clone)]
-pub(crate) struct Settings {
+pub(crate) struct TipSettings {
     /// `$TCPFMT`
     pub(crate) format: u8,
     /// `$TCPSET`
@@ -41,7 +41,7 @@ pub(crate) struct Settings {
     pub(crate) words: [Point; 7],
 }
 
-impl Default for Settings {
+impl Default for TipSettings {
     fn default() -> Self {
         Self {
             format: 0,
@@ -64,7 +64,7 @@ fn at(position: &Position, axis: AxisSlot) -> f64 {
     position.at(axis)
 }
 
-impl Place {
+impl MotionState {
     /// Difference of two positions, axis by axis.
     pub(super) fn less(&self, of: &Position, by: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
@@ -77,14 +77,14 @@ impl Place {
 
 impl Tip {
     /// The linear axes at a point of the part; `machine` has the rotary axes.
-    pub(super) fn to_linear(&self, place: &Place, point: Point, machine: &Position) -> Point {
+    pub(super) fn to_linear(&self, place: &MotionState, point: Point, machine: &Position) -> Point {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool));
         self.chain.linear(plus(point, fixture), place.geometry(&self.tool), |axis| at(machine, axis))
     }
 
     /// How far the linear axes follow the rotary ones at the rate of a place of the path between two points of the work
     /// frame.
-    pub(crate) fn following(&self, place: &Place, [from, to]: [&Position; 2], share: f64) -> f64 {
+    pub(crate) fn following(&self, place: &MotionState, [from, to]: [&Position; 2], share: f64) -> f64 {
         let mut at = *from;
         for (slot, to) in at.iter_mut().zip(to) {
             *slot += (to - *slot) * share;
@@ -99,7 +99,7 @@ impl Tip {
     }
 
     /// The point of the part where the axes are.
-    pub(super) fn to_part(&self, place: &Place, linear: Point, machine: &Position) -> Option<Point> {
+    pub(super) fn to_part(&self, place: &MotionState, linear: Point, machine: &Position) -> Option<Point> {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool)).map(|value| -value);
         let tip = self.chain.tip(linear, place.geometry(&self.tool), |axis| at(machine, axis))?;
         Some(plus(tip, fixture))
@@ -110,12 +110,12 @@ fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
     [a + x, b + y, c + z]
 }
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, otherwise the first
     /// two.
     pub(crate) fn chain(&self) -> Chain<AxisSlot> {
         let settings = &self.state.others.tip;
-        let joint = |(slot, axis): (AxisSlot, &crate::state::position::Axis)| {
+        let joint = |(slot, axis): (AxisSlot, &crate::state::position::ChannelAxis)| {
             let own = &self.env.machine.axes[axis.machine];
             let made = Joint { axis: slot, vector: own.vector, center: own.center };
             let chosen = settings.chosen.is_empty() || settings.chosen.contains(&slot);
@@ -198,7 +198,7 @@ impl Channel<'_> {
     }
 }
 
-impl Place {
+impl MotionState {
     /// Active tool tip control.
     pub(crate) fn tip(&self) -> Option<&Tip> {
         self.frames.as_deref().and_then(|frames| frames.tip.as_deref())

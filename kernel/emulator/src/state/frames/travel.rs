@@ -6,18 +6,18 @@
 //! Invariants: an absolute word cancels the pending change of its axis; axes without a word keep it.
 
 use super::NOISE;
-use crate::state::channel::Channel;
-use crate::state::position::Place;
+use crate::state::channel::ChannelContext;
+use crate::state::position::MotionState;
 use counterpoint_event::event::{MAX_AXES, Position};
 
-impl Channel<'_> {
+impl ChannelContext<'_> {
     /// Reference of incremental words, if it is not the position of the axes after a change of frames.
     pub(crate) fn counts_from(&self) -> Option<Position> {
         (self.env.machine.habits.frame_increments || self.block.flags.travels).then(|| self.state.place.counted())
     }
 }
 
-impl Place {
+impl MotionState {
     /// The values that the axes were programmed to.
     pub(crate) fn counted(&self) -> Position {
         let mut from = self.programmed();

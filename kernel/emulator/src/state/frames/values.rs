@@ -3,10 +3,10 @@
 //! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror cancels the
 //! previous one; of rotations and centres the newest counts.
 
-use crate::state::position::Place;
+use crate::state::position::MotionState;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Point;
-use counterpoint_motion::frame::local::Part;
+use counterpoint_motion::frame::local::LocalFramePart;
 
 /// The values of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,12 +20,12 @@ pub(crate) struct FrameValues {
     pub(crate) center: Point,
 }
 
-impl Place {
+impl MotionState {
     /// The sum of all translations of axes other than X, Y and Z.
     pub(crate) fn beside_shift(&self) -> Position {
         let mut shift = [0.0; MAX_AXES];
         let frames = self.frames.as_deref().and_then(|frames| frames.beside.as_deref());
-        for lines in frames.into_iter().flat_map(|beside| beside.parts(Part::Translate)) {
+        for lines in frames.into_iter().flat_map(|beside| beside.parts(LocalFramePart::Translate)) {
             for (slot, line) in shift.iter_mut().zip(lines) {
                 *slot += line.shift;
             }
@@ -36,7 +36,7 @@ impl Place {
     /// Mirrored axes other than X, Y and Z, one bit each.
     pub(crate) fn beside_mirrors(&self) -> u8 {
         let frames = self.frames.as_deref().and_then(|frames| frames.beside.as_deref());
-        let mirrors = frames.into_iter().flat_map(|beside| beside.parts(Part::Mirror));
+        let mirrors = frames.into_iter().flat_map(|beside| beside.parts(LocalFramePart::Mirror));
         mirrors.fold(0, |bits, lines| {
             let mirrored = lines.iter().enumerate().filter(|(_, line)| line.factor < 0.0);
             mirrored.fold(bits, |bits, (at, _)| bits ^ 1 << at)
@@ -55,16 +55,16 @@ impl Place {
             center: [0.0; 3],
         };
         let Some(local) = self.frames.as_deref().map(|frames| &frames.local) else { return values };
-        for given in local.parts(Part::Translate) {
+        for given in local.parts(LocalFramePart::Translate) {
             each(&mut values.translation, given.values, |all, one| all + one);
         }
-        for given in local.parts(Part::Scale) {
+        for given in local.parts(LocalFramePart::Scale) {
             each(&mut values.scale, given.values, |all, one| all * one);
         }
-        for given in local.parts(Part::Mirror) {
+        for given in local.parts(LocalFramePart::Mirror) {
             each(&mut values.mirror, given.values, |all, one| f64::from(u8::from(all != one)));
         }
-        if let Some(given) = local.parts(Part::Rotate).last() {
+        if let Some(given) = local.parts(LocalFramePart::Rotate).last() {
             (values.rotation, values.order, values.angle) = (given.values, given.order, given.angle);
         }
         values.center = local.center().unwrap_or_default();

@@ -7,7 +7,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{direction, plus};
 
 use super::clean;
-use crate::state::position::Place;
+use crate::state::position::MotionState;
 use counterpoint_event::event::Position;
 
 /// A word, and whether it is a distance.
@@ -25,7 +25,7 @@ impl PolarWords {
     /// Puts the point of the words into a target. A radius that is a distance counts from where the tool is, every
     /// other one from the zero of the program; an angle that is a distance counts from the direction in which the tool
     /// stands as seen from there.
-    pub(crate) fn put(self, place: &Place, axes: [AxisSlot; 2], from: &Position, target: &mut Position) {
+    pub(crate) fn put(self, place: &MotionState, axes: [AxisSlot; 2], from: &Position, target: &mut Position) {
         let scales = axes.map(|axis| place.layout.axes[axis].scale);
         let [x, y] = [from.at(axes[0]) * scales[0], from.at(axes[1]) * scales[1]];
         let stands = libm::atan2(y, x).to_degrees();

@@ -2,7 +2,7 @@
 
 /// Words that define a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum By {
+pub enum ArcDefinition {
     /// A radius if there is one, otherwise a centre.
     #[default]
     Any,
@@ -14,18 +14,18 @@ pub enum By {
 
 /// A property that a code of circles determines by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Form {
+pub struct ArcForm {
     /// Direction, if the code has one.
     pub clockwise: Option<bool>,
     /// Words that describe the circle.
-    pub by: By,
+    pub by: ArcDefinition,
     /// A code of helices.
     pub helix: bool,
 }
 
-impl Form {
+impl ArcForm {
     /// A form.
-    pub const fn new(clockwise: Option<bool>, by: By, helix: bool) -> Self {
+    pub const fn new(clockwise: Option<bool>, by: ArcDefinition, helix: bool) -> Self {
         Self { clockwise, by, helix }
     }
 }

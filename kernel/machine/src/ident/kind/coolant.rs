@@ -4,9 +4,9 @@ use counterpoint_event::event::Outlet;
 
 /// Device that a coolant code switches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Switch {
+pub enum CoolantTarget {
     /// Coolant of the main or the side head.
-    Fluid(Flow, Outlet),
+    Fluid(CoolantFluid, Outlet),
     /// An auxiliary device.
     Device(u8, bool),
     /// The pressure that a word gives.
@@ -17,7 +17,7 @@ pub enum Switch {
 
 /// The fluid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flow {
+pub enum CoolantFluid {
     /// Nothing.
     Off,
     /// The last fluid.

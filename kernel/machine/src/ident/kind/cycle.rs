@@ -8,7 +8,7 @@ pub struct HoleCycle(u8);
 
 /// How the depth is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Steps {
+pub enum PeckStyle {
     /// In one go.
     None,
     /// Back to the clearance height after each step.
@@ -60,11 +60,11 @@ impl HoleCycle {
     }
 
     /// How the depth is reached.
-    pub fn steps(self) -> Steps {
+    pub fn steps(self) -> PeckStyle {
         match self.0 {
-            11 | 16 | 17 => Steps::Full,
-            12 | 18 | 19 => Steps::Small,
-            _ => Steps::None,
+            11 | 16 | 17 => PeckStyle::Full,
+            12 | 18 | 19 => PeckStyle::Small,
+            _ => PeckStyle::None,
         }
     }
 
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(codes::CYCLE_RIGID_BRKCHP_CCLW.kind(), CodeKind::Cycle(HoleCycle(19)));
         assert_eq!(codes::CYCLE_OFF.kind(), CodeKind::Plain);
         assert_eq!([0.0, 20.0, 100.0, -2.0, 1.5, f64::NAN].map(HoleCycle::numbered), [None; 6]);
-        assert_eq!(HoleCycle::numbered(11.0).map(HoleCycle::steps), Some(Steps::Full));
+        assert_eq!(HoleCycle::numbered(11.0).map(HoleCycle::steps), Some(PeckStyle::Full));
     }
 
     #[test]

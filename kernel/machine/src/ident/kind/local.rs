@@ -2,7 +2,7 @@
 
 /// The effect of a code on its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Change {
+pub enum FrameChange {
     /// Sets it.
     On,
     /// Adds to the active frame.

@@ -2,7 +2,7 @@
 
 /// How a block says where a plane lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum PlaneDefinition {
     /// As the data of the form say: 0 Euler, 1 fixed axes, 2 points, 3 directions, 4 projections, 5 turned axes, 6
     /// positions.
     Said,
@@ -26,9 +26,9 @@ pub enum Form {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tilt {
     /// Sets it.
-    On(Form),
+    On(PlaneDefinition),
     /// Sets one in the plane that is active.
-    Add(Form),
+    Add(PlaneDefinition),
     /// Ends it.
     Off,
     /// Ends it, or the rotation of the local frame where there is none.

@@ -43,7 +43,7 @@ impl ThreadCycle {
 
 /// A setting of cycles to come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Setting {
+pub enum ThreadCycleSetting {
     /// With a chamfer at the end.
     Chamfer(bool),
     /// In-feed along one edge, or along both in turn.

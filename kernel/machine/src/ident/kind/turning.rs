@@ -23,12 +23,12 @@ pub enum TurningCycle {
         face: bool,
     },
     /// Along a contour with a name (Okuma LAP).
-    Lap(Lap),
+    Lap(LapCycle),
 }
 
 /// A cycle along a contour with a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lap {
+pub enum LapCycle {
     /// Level by level (G85).
     Bar,
     /// Along the whole contour, each time nearer (G86).

@@ -7,7 +7,7 @@ use crate::model::Machine;
 use crate::rows::{CodeForm, CodeRow, Modality};
 
 fn load_over_base(child: &str) -> Loaded {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("base/machine.toml", BASE);
     files.insert("m/machine.toml", format!("extends = \"base\"\n[ce]\nname = \"child\"\n{child}"));
     load(&files, "m")
@@ -47,7 +47,7 @@ fn a_row_of_the_same_name_is_replaced_as_a_whole_and_in_its_place() {
 
 #[test]
 fn tables_merge_key_by_key_and_other_lists_are_replaced() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert(
         "base/machine.toml",
         format!("initial = [\"CODE_RAPID\"]\n{BASE}[time]\ntool_change = 3\nstations = 8\n[variables]\nshared = [[100, 199]]\n"),
@@ -65,7 +65,7 @@ fn tables_merge_key_by_key_and_other_lists_are_replaced() {
 
 #[test]
 fn identity_is_not_inherited() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("base/machine.toml", format!("abstract = true\n{BASE}"));
     files.insert("m/machine.toml", "extends = \"base\"");
     let findings = load(&files, "m").findings;
@@ -79,7 +79,7 @@ fn identity_is_not_inherited() {
 
 #[test]
 fn a_missing_parent_names_those_that_exist() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("fanuc-turning/machine.toml", BASE);
     files.insert("other/machine.toml", BASE);
     files.insert("m/machine.toml", "\nextends = \"fanuc-turnin\"");
@@ -93,7 +93,7 @@ fn a_missing_parent_names_those_that_exist() {
 
 #[test]
 fn a_parent_is_a_plain_name() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("a/b/machine.toml", BASE);
     for name in ["a/b", "../m", ".", "", "a\\\\b"] {
         files.insert("m/machine.toml", format!("extends = \"{name}\""));
@@ -104,7 +104,7 @@ fn a_parent_is_a_plain_name() {
 
 #[test]
 fn a_circle_is_named() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("a/machine.toml", "extends = \"b\"");
     files.insert("b/machine.toml", "extends = \"a\"");
     let findings = load(&files, "a").findings;
@@ -116,7 +116,7 @@ fn a_circle_is_named() {
 
 #[test]
 fn a_missing_machine_is_one_finding() {
-    let loaded = load(&Memory::default(), "nothing");
+    let loaded = load(&MemoryFiles::default(), "nothing");
     assert!(loaded.machine.is_none());
     let texts: Vec<&str> = loaded.findings.iter().map(|f| f.text.as_str()).collect();
     assert_eq!(texts, ["no machine of the name \"nothing\"; there are none"]);
@@ -124,7 +124,7 @@ fn a_missing_machine_is_one_finding() {
 
 #[test]
 fn mistakes_of_a_family_are_reported_in_its_file() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("base/machine.toml", format!("{BASE}[time]\nrapid = 7\n"));
     files.insert("m/machine.toml", "extends = \"base\"\n[ce]\nname = \"x\"\nnumber = 0");
     let findings: Vec<String> = load(&files, "m").findings.iter().map(ToString::to_string).collect();

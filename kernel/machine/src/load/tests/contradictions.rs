@@ -4,7 +4,7 @@ use super::*;
 
 /// Findings of [`BASE`] with text after it, beside files of macros; those in the macros have their own lines.
 fn with_macros(text: &str) -> Vec<String> {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", format!("{BASE}{text}"));
     files.insert("m/a.mac", "%G01=1");
     files.insert("m/exec.mac", "EXEC/NOW,CODE_STOP,REG_TOOL,5\nEXEC/REG_AXIS_X\nEXEC/CODE_RAPID,REG_AXIS_X,CODE_RAPID");

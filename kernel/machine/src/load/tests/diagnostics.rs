@@ -3,7 +3,7 @@
 use super::*;
 
 fn with_file(file: &str, text: &str) -> Loaded {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", format!("diagnostics_file = \"own.err\"\nmin_severity = 1\n{BASE}{text}"));
     files.insert("m/own.err", file);
     load(&files, "m")

@@ -1,12 +1,12 @@
 //! Dialogs in the machine file and beside it.
 
 use super::*;
-use counterpoint_ports::dialog::answers::Value;
+use counterpoint_ports::dialog::answers::DialogValue;
 use counterpoint_ports::dialog::{ButtonKind, FieldKind};
 
 #[test]
 fn dialogs_of_the_file_and_of_a_file_beside_it() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     let rows = r#"
 [[dialogs]]
 file = "clamp.toml"
@@ -36,8 +36,8 @@ choices = ["soft", { label = "hard", value = 2 }]
     assert_eq!(loaded.findings, []);
     let dialogs = loaded.machine.unwrap().dialogs;
     assert_eq!(dialogs[0].buttons.iter().map(|b| b.label.as_str()).collect::<Vec<_>>(), ["OK", "Cancel"]);
-    assert_eq!(dialogs[0].fields[0].default, Some(Value::Number(20.0)));
-    let jaws = [("soft".to_owned(), Value::Text("soft".into())), ("hard".to_owned(), Value::Number(2.0))];
+    assert_eq!(dialogs[0].fields[0].default, Some(DialogValue::Number(20.0)));
+    let jaws = [("soft".to_owned(), DialogValue::Text("soft".into())), ("hard".to_owned(), DialogValue::Number(2.0))];
     assert_eq!(dialogs[0].fields[1].kind, FieldKind::Choice(jaws.into()));
     assert_eq!(dialogs[1].buttons[1].kind, ButtonKind::Call("CLAMP".into()));
 }

@@ -5,7 +5,7 @@ use super::*;
 
 /// Findings of [`BASE`] with text after it, beside a file of one macro and a file with a function.
 fn with_macro(text: &str) -> Vec<String> {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", format!("{BASE}{text}"));
     files.insert("m/a.mac", "%G01=1");
     files.insert("m/f.mac", "MACRO/TWICE(N)\nTWICE=N*2\nENDMAC");
@@ -22,7 +22,7 @@ fn seconds_of_one_m_number_are_given_once() {
         ]
     );
     let family = "[time]\nm_codes = { \"3\" = 1 }\n";
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("family/machine.toml", format!("{BASE}{family}"));
     files.insert("m/machine.toml", "extends = \"family\"\n[ce]\nname = \"m\"\n[time]\nm_codes = { \"03\" = 2 }");
     let findings = load(&files, "m").findings;

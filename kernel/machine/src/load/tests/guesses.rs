@@ -4,20 +4,21 @@ use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 use counterpoint_ports::files::Bytes;
-use counterpoint_signs::{Candidate, Guess, Program, guess};
+use counterpoint_signs::{ExaminedProgram, Guess, MachineCandidate, guess};
 
 use super::*;
 use crate::load::candidates;
 use crate::package;
 
-static SHIPPED: LazyLock<Vec<Candidate>> = LazyLock::new(|| candidates(&package::shipped(), &package::shipped_names()));
+static SHIPPED: LazyLock<Vec<MachineCandidate>> =
+    LazyLock::new(|| candidates(&package::shipped(), &package::shipped_names()));
 
-fn shipped() -> &'static [Candidate] {
+fn shipped() -> &'static [MachineCandidate] {
     &SHIPPED
 }
 
 fn of_files(files: &[(&str, &str)], waits: Option<&RangeInclusive<u32>>) -> Result<Guess, String> {
-    let program = |(name, text): &(&str, &str)| Program {
+    let program = |(name, text): &(&str, &str)| ExaminedProgram {
         name: (*name).to_owned(),
         content: Bytes::from(text.as_bytes().to_vec()),
         number: None,
@@ -194,7 +195,7 @@ fn comments_and_numbers_never_change_a_guess() {
         assert_eq!(machine("p.nc", &text.to_lowercase()), known, "{text}");
         assert_eq!(machine("p.nc", &text.replace('\n', "\r\n")), known, "{text}");
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
-        let program = Program { name: "p.nc".into(), content: Bytes::from(wide), number: None, part: false };
+        let program = ExaminedProgram { name: "p.nc".into(), content: Bytes::from(wide), number: None, part: false };
         assert_eq!(guess(shipped(), &[program], None, &|| false).map(|guess| guess.machine), known, "UTF-16: {text}");
     }
 }
@@ -318,7 +319,7 @@ fn a_program_of_a_file_is_judged_alone() {
     let text = "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n";
     let of = |number: u32| {
         let content = Bytes::from(text.as_bytes());
-        let program = Program { name: "both.nc".into(), content, number: Some(number), part: true };
+        let program = ExaminedProgram { name: "both.nc".into(), content, number: Some(number), part: true };
         guess(shipped(), &[program], None, &|| false).unwrap().machine
     };
     assert_eq!((of(1).as_str(), of(2).as_str()), ("fanuc-mill", "fanuc-lathe"));

@@ -4,8 +4,8 @@ use super::*;
 use crate::index::places;
 use crate::macros::model::Hook;
 
-fn family() -> Memory {
-    let mut files = Memory::default();
+fn family() -> MemoryFiles {
+    let mut files = MemoryFiles::default();
     let rows = r#"
 [[codes]]
 id = "CODE_TOOL_LOAD"
@@ -88,7 +88,7 @@ fn mistakes_of_a_family_stand_where_they_are() {
 #[test]
 fn a_code_without_a_row_is_a_warning() {
     let text = "[[macros.code]]\nmatch = [\"CODE_COOLANT_OFF\"]\nfile = \"a.mac\"\n";
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", format!("{BASE}{text}"));
     files.insert("m/a.mac", "OUTPUT");
     let loaded = load(&files, "m");

@@ -79,7 +79,7 @@ fn random_bytes_are_findings() {
 
 #[test]
 fn bytes_that_are_no_text_are_placed() {
-    let mut files = Memory::default();
+    let mut files = MemoryFiles::default();
     files.insert("m/machine.toml", b"a = 1\nbc\xff");
     let first = load(&files, "m").findings.into_iter().find(|finding| finding.line > 0).unwrap();
     assert_eq!((first.line, first.column), (2, 3));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::ident;
-use crate::load::questions::{Kind, SUBJECTS};
+use crate::load::questions::{AnswerConversion, SUBJECTS};
 use crate::rows::CodeForm;
 
 #[test]
@@ -87,9 +87,9 @@ fn every_question_names_built_in_identifiers_and_is_documented() {
     for subject in SUBJECTS {
         for question in subject.questions {
             let (codes, data): (Vec<&str>, Vec<&str>) = match question.kind {
-                Kind::Code(id) => (vec![id], vec![]),
-                Kind::AsData(id, data) | Kind::Numbered(id, data) => (vec![id], vec![data]),
-                Kind::Data(ids) => (vec![], ids.to_vec()),
+                AnswerConversion::Code(id) => (vec![id], vec![]),
+                AnswerConversion::AsData(id, data) | AnswerConversion::Numbered(id, data) => (vec![id], vec![data]),
+                AnswerConversion::Data(ids) => (vec![], ids.to_vec()),
             };
             codes.iter().for_each(|id| assert!(ident::code(id).is_some(), "{id}"));
             data.iter().for_each(|id| assert!(ident::data(id).is_some(), "{id}"));

@@ -8,7 +8,7 @@ use crate::model::{RewindStop, SyncDialect};
 use crate::package;
 use crate::rows::CodeForm;
 use crate::show::{Show, show};
-use counterpoint_event::Unit;
+use counterpoint_event::MachineUnit;
 
 fn shipped(name: &str) -> Machine {
     let loaded = load(&package::shipped(), name);
@@ -332,7 +332,7 @@ fn the_two_path_lathe_has_these_data() {
 #[test]
 fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
-    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
+    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, MachineUnit::Mm, "fanuc"));
     let channels: Vec<_> = lathe
         .channels
         .iter()
@@ -399,7 +399,7 @@ fn the_other_machines_differ_where_they_should() {
 
 #[test]
 fn a_user_may_extend_a_shipped_machine_and_replace_a_family() {
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     user.insert("mine/machine.toml", "extends = \"fanuc-2path-lathe\"\n[ce]\nname = \"mine\"\n[time]\ntool_change = 2");
     let files = package::Overlay::over_shipped(user.clone());
     let mine = load(&files, "mine").machine.unwrap();
@@ -414,7 +414,7 @@ fn a_user_may_extend_a_shipped_machine_and_replace_a_family() {
 fn the_example_of_the_documentation_is_complete() {
     let text = include_str!("../../../../../docs/machine-definition.md");
     let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-    let mut user = Memory::default();
+    let mut user = MemoryFiles::default();
     user.insert("small/machine.toml", example);
     let loaded = load(&package::Overlay::over_shipped(user), "small");
     assert_eq!(loaded.findings, []);

@@ -1,13 +1,13 @@
 use std::f64::consts::{PI, TAU};
 
-use super::super::area::{Open, size};
+use super::super::area::{OpenRing, size};
 use super::super::combine::tests::{Dice, circle, square};
 use super::super::element::plus;
 use super::super::near::{at, to_piece};
 use super::*;
 
-fn area(rings: &[Closed]) -> Area {
-    let mut area = Area::default();
+fn area(rings: &[ClosedContour]) -> ClearingArea {
+    let mut area = ClearingArea::default();
     for ring in rings {
         area.add(ring.elements()).unwrap();
     }
@@ -30,7 +30,7 @@ fn no_way_and_no_cut_comes_nearer_than_its_distance() {
             corners.reverse();
         }
         let rim = corners.windows(2).map(|pair| Element { from: pair[0], to: pair[1], arc: None }).collect();
-        let mut rings = vec![Closed::open(rim)];
+        let mut rings = vec![ClosedContour::open(rim)];
         if dice.next() < 0.7 {
             rings.push(circle([4.0 * dice.next(), 4.0 * dice.next()], 1.0 + 2.0 * dice.next()));
         }
@@ -48,7 +48,7 @@ fn no_way_and_no_cut_comes_nearer_than_its_distance() {
             narrow += 1
         }
         let free = |spot: Spot| {
-            let pieces = walls.iter().flat_map(Closed::elements);
+            let pieces = walls.iter().flat_map(ClosedContour::elements);
             pieces.map(|piece| to_piece(piece, spot)).fold(f64::MAX, f64::min)
         };
         let rows = clearing.rows(1.5 * by, 1000);
@@ -86,8 +86,8 @@ fn a_square_with_a_round_island() {
     let right = [20.0 + (64.0_f64 - 4.25 * 4.25).sqrt(), 15.75];
     assert_eq!((rows.len(), rows[0][0].from), (2, [3.0, 7.25]));
     assert!(distance(rows[1][0].from, right) < 1e-9);
-    let mut open = Area::default();
-    assert_eq!(open.add(&square(0.0, 0.0, 1.0).elements()[..3]), Err(Open));
+    let mut open = ClearingArea::default();
+    assert_eq!(open.add(&square(0.0, 0.0, 1.0).elements()[..3]), Err(OpenRing));
 }
 
 #[test]
@@ -123,5 +123,5 @@ fn a_spigot_is_reached_from_outside_of_its_blank() {
     pair.follow(8.0, 0.0);
     let left = Clearing::of(&pair, 5.0).unwrap();
     assert_eq!(left.ways(&[]).len(), 1);
-    assert_eq!(pair.add(&square(0.0, 0.0, 1.0).elements()[..3]), Err(Open));
+    assert_eq!(pair.add(&square(0.0, 0.0, 1.0).elements()[..3]), Err(OpenRing));
 }

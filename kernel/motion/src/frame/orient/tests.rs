@@ -54,11 +54,21 @@ fn forward(chain: &Chain<usize>, angles: &[(usize, f64)]) -> Vector3<f64> {
     tool
 }
 
-const RULES: [Rule; 4] = [
-    Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays },
-    Rule { turns: Turns::Nearest, way: Way::AxisByAxis, side: None, free: Free::At(0.0) },
-    Rule { turns: Turns::Half, way: Way::Least, side: Some(Side::Larger(true)), free: Free::At(0.0) },
-    Rule { turns: Turns::Half, way: Way::Least, side: Some(Side::Larger(false)), free: Free::Stays },
+const RULES: [PairRule; 4] = [
+    PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays },
+    PairRule { turns: TurnChoice::Nearest, way: PairChoice::AxisByAxis, side: None, free: FreeAxisPolicy::At(0.0) },
+    PairRule {
+        turns: TurnChoice::Half,
+        way: PairChoice::Least,
+        side: Some(TiltRequest::Larger(true)),
+        free: FreeAxisPolicy::At(0.0),
+    },
+    PairRule {
+        turns: TurnChoice::Half,
+        way: PairChoice::Least,
+        side: Some(TiltRequest::Larger(false)),
+        free: FreeAxisPolicy::Stays,
+    },
 ];
 
 #[test]
@@ -76,21 +86,21 @@ fn random_chains_come_to_directions_that_they_reach() {
         let wanted = forward(&chain, &[(0, chance.next() * 170.0), (1, chance.next() * 170.0)]);
         let stands = [chance.next() * 400.0, chance.next() * 400.0];
         for rule in RULES {
-            let stand = |axis: usize| Stand { at: stands[axis], travel: None };
+            let stand = |axis: usize| RotaryAxisState { at: stands[axis], travel: None };
             let angles = chain.reach(wanted.into(), &rule, stand).unwrap();
             let comes = forward(&chain, &angles);
             assert!((comes - wanted).norm() < 1e-6, "{case} {rule:?} {chain:?} {angles:?}: {comes} {wanted}");
             for (axis, angle) in angles {
                 match rule.turns {
-                    Turns::Nearest => assert!((angle - stands[axis]).abs() <= 180.0 + 1e-6),
-                    Turns::Half => assert!((-180.0..=180.0).contains(&angle) || angle == stands[axis]),
+                    TurnChoice::Nearest => assert!((angle - stands[axis]).abs() <= 180.0 + 1e-6),
+                    TurnChoice::Half => assert!((-180.0..=180.0).contains(&angle) || angle == stands[axis]),
                 }
             }
             reached += 1;
         }
         // Both pairs come there, and no pair that is left out has a shorter path.
         let rule = RULES[0];
-        let stand = |axis: usize| Stand { at: stands[axis], travel: None };
+        let stand = |axis: usize| RotaryAxisState { at: stands[axis], travel: None };
         let pairs = chain.pairs(wanted.into(), &rule, stand);
         assert!(!pairs.is_empty() && pairs.len() <= 2);
         let way =
@@ -113,7 +123,7 @@ fn random_travels_are_kept() {
         let wanted = chance.direction();
         let travels = [(-120.0, 30.0), (-10.0 + chance.next() * 300.0, 0.0)];
         let travels = travels.map(|(a, b): (f64, f64)| (a.min(b), a.max(b)));
-        let stand = |axis: usize| Stand { at: travels[axis].0, travel: Some(travels[axis]) };
+        let stand = |axis: usize| RotaryAxisState { at: travels[axis].0, travel: Some(travels[axis]) };
         let rule = RULES[0];
         // By hand: the tool leans by the angle of A towards the direction of C.
         let lean = wanted[0].hypot(wanted[1]).atan2(wanted[2]).to_degrees();
@@ -137,7 +147,7 @@ fn random_travels_are_kept() {
             }
             Err(error) => {
                 outside += 1;
-                assert!(error == Unreached::Travel && !possible, "{wanted:?} {travels:?} {error:?}");
+                assert!(error == OrientationError::Travel && !possible, "{wanted:?} {travels:?} {error:?}");
             }
         }
     }
@@ -150,8 +160,13 @@ fn the_table_of_a_heidenhain_manual() {
     let half = 0.5_f64.sqrt();
     let tilted = [half, 0.0, half];
     let of = |travel: Option<(f64, f64)>, start: [f64; 2], side: Option<bool>| {
-        let rule = Rule { turns: Turns::Half, way: Way::LeastLarger, side: side.map(Side::Sign), free: Free::At(0.0) };
-        let stand = |axis: usize| Stand { at: start[axis], travel: travel.filter(|_| axis == 0) };
+        let rule = PairRule {
+            turns: TurnChoice::Half,
+            way: PairChoice::LeastLarger,
+            side: side.map(TiltRequest::Sign),
+            free: FreeAxisPolicy::At(0.0),
+        };
+        let stand = |axis: usize| RotaryAxisState { at: start[axis], travel: travel.filter(|_| axis == 0) };
         let angle =
             |angles: &[(usize, f64)], axis| angles.iter().find(|(at, _)| *at == axis).map(|(_, angle)| angle.round());
         tables().reach(tilted, &rule, stand).map(|angles| [0, 1].map(|axis| angle(&angles, axis).unwrap()))
@@ -163,7 +178,7 @@ fn the_table_of_a_heidenhain_manual() {
     assert_eq!(of(None, [0.0, -105.0], Some(true)), Ok([45.0, 90.0]));
     assert_eq!(of(None, [0.0, -105.0], Some(false)), Ok([-45.0, -90.0]));
     assert_eq!(of(Some((-90.0, 10.0)), [0.0, 0.0], None), Ok([-45.0, -90.0]));
-    assert_eq!(of(Some((-90.0, 10.0)), [0.0, 0.0], Some(true)), Err(Unreached::Side));
+    assert_eq!(of(Some((-90.0, 10.0)), [0.0, 0.0], Some(true)), Err(OrientationError::Side));
     assert_eq!(of(None, [0.0, -135.0], Some(true)), Ok([45.0, 90.0]));
 }
 
@@ -171,8 +186,8 @@ fn the_table_of_a_heidenhain_manual() {
 fn axis_by_axis_is_not_the_least_sum() {
     // A −30 or 30, C 80 or −100: from A −10 the first one is nearer by A, the second one by the sum.
     let wanted = forward(&tables(), &[(0, -30.0), (1, 80.0)]);
-    let stand = |axis: usize| Stand { at: [-10.0, -100.0][axis], travel: None };
-    let angle = |rule: Rule| {
+    let stand = |axis: usize| RotaryAxisState { at: [-10.0, -100.0][axis], travel: None };
+    let angle = |rule: PairRule| {
         let angles = tables().reach(wanted.into(), &rule, stand).unwrap();
         angles.iter().find(|(axis, _)| *axis == 0).map(|(_, angle)| angle.round()).unwrap()
     };
@@ -182,20 +197,20 @@ fn axis_by_axis_is_not_the_least_sum() {
 
 #[test]
 fn turns_and_free_axes() {
-    let stands = |at: f64, travel| Stand { at, travel };
-    assert_eq!(stands(350.0, None).turn(10.0, Turns::Nearest), 370.0);
-    assert_eq!(stands(350.0, None).turn(-180.0, Turns::Half), 180.0);
-    assert_eq!(stands(0.0, Some((0.0, 360.0))).turn(-90.0, Turns::Half), 270.0);
-    assert_eq!(stands(1000.0, Some((-100.0, 100.0))).turn(90.0, Turns::Nearest), 90.0);
-    assert_eq!(stands(0.0, Some((-10.0, 10.0))).turn(90.0, Turns::Nearest), 90.0);
+    let stands = |at: f64, travel| RotaryAxisState { at, travel };
+    assert_eq!(stands(350.0, None).turn(10.0, TurnChoice::Nearest), 370.0);
+    assert_eq!(stands(350.0, None).turn(-180.0, TurnChoice::Half), 180.0);
+    assert_eq!(stands(0.0, Some((0.0, 360.0))).turn(-90.0, TurnChoice::Half), 270.0);
+    assert_eq!(stands(1000.0, Some((-100.0, 100.0))).turn(90.0, TurnChoice::Nearest), 90.0);
+    assert_eq!(stands(0.0, Some((-10.0, 10.0))).turn(90.0, TurnChoice::Nearest), 90.0);
     let free = |free| {
-        let rule = Rule { free, ..RULES[0] };
+        let rule = PairRule { free, ..RULES[0] };
         let angles = tables().reach(Z, &rule, |axis| stands([3.0, 77.0][axis], None)).unwrap();
         angles.iter().find(|(axis, _)| *axis == 1).map(|(_, angle)| *angle).unwrap()
     };
-    assert_eq!(free(Free::Stays), 77.0);
-    assert_eq!(free(Free::At(12.0)), 12.0);
+    assert_eq!(free(FreeAxisPolicy::Stays), 77.0);
+    assert_eq!(free(FreeAxisPolicy::At(12.0)), 12.0);
     let single = Chain { tables: vec![], heads: vec![joint(0, Y)], tool: Z };
-    assert_eq!(single.reach(Y, &RULES[0], |_| stands(0.0, None)), Err(Unreached::Direction));
+    assert_eq!(single.reach(Y, &RULES[0], |_| stands(0.0, None)), Err(OrientationError::Direction));
     assert_eq!(single.reach(X, &RULES[0], |_| stands(0.0, None)), Ok(vec![(0, 90.0)]));
 }

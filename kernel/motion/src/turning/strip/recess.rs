@@ -7,10 +7,10 @@
 //! finishing goes down each flank with the edge on its side to the middle of the base. *Invariant:* no part of the end
 //! of the tool comes below the contour.
 
-use super::{Cut, Grid, Removal, Wrong};
+use super::{EqualLevels, Removal, StripError, ToolCursor};
 use crate::contour::element::Spot;
-use crate::turning::parts::{Part, Parts};
-use crate::turning::{NOISE, Sink};
+use crate::turning::parts::{ContourPart, ContourParts};
+use crate::turning::{MoveSink, NOISE};
 
 /// How far apart plunges are, in widths of the tool.
 const SHARE: f64 = 0.8;
@@ -20,12 +20,12 @@ const MOST: f64 = 100_000.0;
 
 /// A tool as seen: its width, and where its end begins beside its place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct End {
+pub(super) struct FlatToolEnd {
     width: f64,
     begins: f64,
 }
 
-impl End {
+impl FlatToolEnd {
     /// Of the distance of its other edge along the contour, as seen.
     pub(super) fn new(other: f64) -> Self {
         Self { width: other.abs(), begins: other.min(0.0) }
@@ -33,7 +33,7 @@ impl End {
 }
 
 /// Height of a part at a place along it.
-fn height_at(part: &Part, along: f64) -> f64 {
+fn height_at(part: &ContourPart, along: f64) -> f64 {
     let ([from, low], [to, high]) = (part.from, part.to);
     if (to - from).abs() < NOISE {
         return low.max(high);
@@ -48,7 +48,7 @@ fn height_at(part: &Part, along: f64) -> f64 {
 }
 
 /// The highest place of a contour between two places.
-fn highest(parts: &Parts, from: f64, to: f64) -> f64 {
+fn highest(parts: &ContourParts, from: f64, to: f64) -> f64 {
     let inside = parts.all.iter().filter(|part| part.to[0] > from + NOISE && part.from[0] < to - NOISE);
     let heights = inside.flat_map(|part| {
         let (begin, end) = (part.from[0].max(from), part.to[0].min(to));
@@ -59,18 +59,18 @@ fn highest(parts: &Parts, from: f64, to: f64) -> f64 {
 
 impl Removal<'_> {
     /// Whether the tool fits into the groove, and may finish it.
-    pub(super) fn check_recess(&self, end: End) -> Result<(), Wrong> {
+    pub(super) fn check_recess(&self, end: FlatToolEnd) -> Result<(), StripError> {
         let (begin, last) = self.ends();
         if last - begin < end.width - NOISE || end.width < NOISE {
-            return Err(Wrong::Narrow);
+            return Err(StripError::Narrow);
         }
-        let Some((falls, base)) = self.base() else { return Err(Wrong::TurnsBack) };
+        let Some((falls, base)) = self.base() else { return Err(StripError::TurnsBack) };
         let falling = self.parts.all.iter().take(falls).all(|part| part.to[1] <= part.from[1] + NOISE);
         let rising = self.parts.all.iter().skip(falls).all(|part| part.to[1] >= part.from[1] - NOISE);
         if self.strip.finish && !(falling && rising) {
-            return Err(Wrong::TurnsBack);
+            return Err(StripError::TurnsBack);
         }
-        if self.strip.finish && base[1] - base[0] < end.width - NOISE { Err(Wrong::Narrow) } else { Ok(()) }
+        if self.strip.finish && base[1] - base[0] < end.width - NOISE { Err(StripError::Narrow) } else { Ok(()) }
     }
 
     /// Where the contour first comes below its highest place, and where it last does.
@@ -84,7 +84,7 @@ impl Removal<'_> {
     /// The number of parts down to the base, and where that begins and ends.
     fn base(&self) -> Option<(usize, [f64; 2])> {
         let low = self.parts.lowest();
-        let flat = |part: &Part| part.from[1] < low + NOISE && part.to[1] < low + NOISE;
+        let flat = |part: &ContourPart| part.from[1] < low + NOISE && part.to[1] < low + NOISE;
         let first = self.parts.all.iter().position(|part| part.to[1] < low + NOISE)?;
         let begin = self.parts.all.get(first).map(|part| if flat(part) { part.from[0] } else { part.to[0] })?;
         let last = self.parts.all.iter().rposition(|part| part.from[1] < low + NOISE);
@@ -97,7 +97,7 @@ impl Removal<'_> {
 
     /// Where the end of the tool begins in its plunges: beside each other over the base, then on both flanks as far as
     /// it fits.
-    fn plunges(&self, end: End) -> Vec<f64> {
+    fn plunges(&self, end: FlatToolEnd) -> Vec<f64> {
         let (begin, last) = self.ends();
         let Some((_, base)) = self.base() else { return Vec::new() };
         let (room, step) = (base[1] - base[0] - end.width, SHARE * end.width);
@@ -115,7 +115,7 @@ impl Removal<'_> {
     }
 
     /// Plunges, and both flanks.
-    pub(super) fn recess<S: Sink>(&self, cut: &mut Cut<'_, S>, end: End) -> Result<(), S::Stop> {
+    pub(super) fn recess<S: MoveSink>(&self, cut: &mut ToolCursor<'_, S>, end: FlatToolEnd) -> Result<(), S::Stop> {
         let above = self.start[1];
         if self.strip.rough {
             for from in self.plunges(end) {
@@ -126,7 +126,7 @@ impl Removal<'_> {
                 cut.sink.pass()?;
                 cut.sink.use_feed(0);
                 cut.rapid([from - end.begins, above])?;
-                let levels = Grid::new(self.high, bottom, self.strip.depth);
+                let levels = EqualLevels::new(self.high, bottom, self.strip.depth);
                 for level in 1..=levels.count {
                     cut.sink.pass()?;
                     cut.feed([from - end.begins, levels.height(level)])?;
@@ -140,21 +140,26 @@ impl Removal<'_> {
         {
             let middle = [f64::midpoint(base[0], base[1] - end.width) - end.begins, self.parts.lowest()];
             cut.sink.use_feed(2);
-            let down: Vec<Part> = self.parts.all.iter().take(falls).copied().collect();
+            let down: Vec<ContourPart> = self.parts.all.iter().take(falls).copied().collect();
             self.flank(cut, &down, (-end.begins, middle))?;
-            let is_up = |part: &&Part| part.from[1].max(part.to[1]) > middle[1] + NOISE;
-            let back = |part: &Part| {
+            let is_up = |part: &&ContourPart| part.from[1].max(part.to[1]) > middle[1] + NOISE;
+            let back = |part: &ContourPart| {
                 let arc = part.arc.map(|(center, clockwise)| (center, !clockwise));
-                Part { from: part.to, to: part.from, arc }
+                ContourPart { from: part.to, to: part.from, arc }
             };
-            let up: Vec<Part> = self.parts.all.iter().skip(falls).filter(is_up).rev().map(back).collect();
+            let up: Vec<ContourPart> = self.parts.all.iter().skip(falls).filter(is_up).rev().map(back).collect();
             self.flank(cut, &up, (-end.width - end.begins, middle))?;
         }
         cut.rapid(self.start)
     }
 
     /// Down a flank, moved along, to a place on the base, and up.
-    fn flank<S: Sink>(&self, cut: &mut Cut<'_, S>, parts: &[Part], (by, to): (f64, Spot)) -> Result<(), S::Stop> {
+    fn flank<S: MoveSink>(
+        &self,
+        cut: &mut ToolCursor<'_, S>,
+        parts: &[ContourPart],
+        (by, to): (f64, Spot),
+    ) -> Result<(), S::Stop> {
         cut.sink.pass()?;
         let moved = |[along, height]: Spot| [along + by, height];
         let Some(first) = parts.first() else { return Ok(()) };
@@ -162,7 +167,7 @@ impl Removal<'_> {
         cut.feed(moved(first.from))?;
         for part in parts {
             let arc = part.arc.map(|(center, clockwise)| (moved(center), clockwise));
-            let part = Part { from: moved(part.from), to: moved(part.to), arc };
+            let part = ContourPart { from: moved(part.from), to: moved(part.to), arc };
             cut.part(&part, part.to)?;
         }
         cut.feed(to)?;

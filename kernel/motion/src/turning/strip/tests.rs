@@ -1,9 +1,9 @@
 //! Stock removal worked by hand. Contours and moves are written as programs write them: X as a diameter.
 
 use super::super::tests::{Written, contour};
-use super::{Removal, Strip, Wrong};
+use super::{Removal, Strip, StripError};
 use crate::contour::element::Element;
-use crate::turning::{Move, Sink};
+use crate::turning::{CycleMove, MoveSink};
 
 const PLAIN: Strip = Strip {
     plunges: 0.0,
@@ -192,10 +192,10 @@ fn refusals() {
         Removal::new(&contour((100.0, 100.0), points).elements, strip).map(|_| ()).unwrap_err()
     };
     let back = [(20.0, 0.0, 0.0), (20.0, -20.0, 0.0), (30.0, -10.0, 0.0), (40.0, -30.0, 0.0)];
-    assert_eq!(refused(&back, PLAIN), Wrong::TurnsBack);
-    assert_eq!(refused(&[(20.0, 0.0, 0.0)], PLAIN), Wrong::Nothing);
-    assert_eq!(refused(&GROOVE, Strip { clearance: 44.0, ..PLAIN }), Wrong::Clearance);
-    assert_eq!(refused(&GROOVE, Strip { allowance: [6.0, 0.0], ..PLAIN }), Wrong::Narrow);
+    assert_eq!(refused(&back, PLAIN), StripError::TurnsBack);
+    assert_eq!(refused(&[(20.0, 0.0, 0.0)], PLAIN), StripError::Nothing);
+    assert_eq!(refused(&GROOVE, Strip { clearance: 44.0, ..PLAIN }), StripError::Clearance);
+    assert_eq!(refused(&GROOVE, Strip { allowance: [6.0, 0.0], ..PLAIN }), StripError::Narrow);
     assert!(Removal::new(&contour((100.0, 100.0), &GROOVE).elements, Strip { clearance: 45.0, ..PLAIN }).is_ok());
 }
 
@@ -203,15 +203,15 @@ fn refusals() {
 #[derive(Default)]
 struct Kept(Vec<[f64; 2]>);
 
-impl Sink for Kept {
+impl MoveSink for Kept {
     type Stop = ();
 
     fn pass(&mut self) -> Result<(), ()> {
         Ok(())
     }
 
-    fn go(&mut self, to: Move) -> Result<(), ()> {
-        let (Move::Rapid([z, x]) | Move::Feed([z, x]) | Move::Arc { to: [z, x], .. }) = to;
+    fn go(&mut self, to: CycleMove) -> Result<(), ()> {
+        let (CycleMove::Rapid([z, x]) | CycleMove::Feed([z, x]) | CycleMove::Arc { to: [z, x], .. }) = to;
         self.0.push([-z, x]);
         Ok(())
     }
@@ -306,7 +306,7 @@ fn a_tool_with_a_flat_end_stays_out_of_every_groove() {
         let removal = match Removal::new(&elements, strip) {
             Ok(removal) => removal,
             Err(why) => {
-                assert_eq!(why, Wrong::Narrow);
+                assert_eq!(why, StripError::Narrow);
                 assert!(width > if finish { base } else { down + base + up } - 1e-6);
                 continue;
             }

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::layout::Layout;
+use super::layout::PlotLayout;
 use super::{BAR, SOFT};
 use crate::analysis::Analysis;
 use crate::summary::ChannelState;
@@ -29,7 +29,7 @@ pub(super) fn legend(out: &mut String, x: f64) {
     text(out, (x + 19.0, 52.5), 12, "start", SOFT, "critical path");
 }
 
-pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
+pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &PlotLayout) {
     let scale = &layout.scale;
     if !is_shown(timeline) {
         return;

@@ -2,8 +2,8 @@
 //!
 //! *Invariant:* plots of details follow each other without a gap in time, and there are [`MOST`] at most.
 
-use super::marks::Marks;
-use super::scale::Scale;
+use super::marks::PlotMarks;
+use super::scale::TimeScale;
 use super::{BAR, GAP, READABLE, STRIP};
 use crate::timeline::Timeline;
 
@@ -15,18 +15,18 @@ const MARK: f64 = 17.0;
 
 /// A plot: its time, its place and its marks.
 #[derive(Debug)]
-pub(super) struct Layout {
-    pub(super) scale: Scale,
+pub(super) struct PlotLayout {
+    pub(super) scale: TimeScale,
     pub(super) top: f64,
-    pub(super) marks: Marks,
+    pub(super) marks: PlotMarks,
     gap: f64,
     rows: usize,
 }
 
-impl Layout {
+impl PlotLayout {
     /// A plot from `top` on; `readable`: no mark may lie over another one.
-    pub(super) fn new(timeline: &Timeline, scale: Scale, top: f64, readable: bool) -> Self {
-        let marks = Marks::new(timeline, &scale, readable);
+    pub(super) fn new(timeline: &Timeline, scale: TimeScale, top: f64, readable: bool) -> Self {
+        let marks = PlotMarks::new(timeline, &scale, readable);
         let gap = GAP.max(9.0 + MARK * marks.levels() as f64);
         Self { scale, top, marks, gap, rows: timeline.channels.len() }
     }

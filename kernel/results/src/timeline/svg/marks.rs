@@ -3,7 +3,7 @@
 //! Of sync points closer together than a few pixels one line is drawn, whose mark names all of them. *Invariant:* marks
 //! of one row do not lie over each other; a mark that finds no place is still named by the hint of its line.
 
-use super::scale::Scale;
+use super::scale::TimeScale;
 use super::{LEFT, RIGHT};
 use crate::summary::SyncPoint;
 use crate::svg::{fit, width};
@@ -26,7 +26,7 @@ const FEW_LEVELS: usize = 1;
 
 /// A line with the sync points at its place.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct PlotLine {
     pub(super) x: f64,
     /// Rows of the channels that arrive and release.
     pub(super) rows: Vec<usize>,
@@ -36,7 +36,7 @@ pub(super) struct Line {
 
 /// A mark below a row.
 #[derive(Debug)]
-pub(super) struct Mark {
+pub(super) struct PlotMark {
     pub(super) text: String,
     pub(super) row: usize,
     pub(super) level: usize,
@@ -47,14 +47,14 @@ pub(super) struct Mark {
 
 /// The lines of a plot and their marks.
 #[derive(Debug)]
-pub(super) struct Marks {
-    pub(super) lines: Vec<Line>,
-    pub(super) marks: Vec<Mark>,
+pub(super) struct PlotMarks {
+    pub(super) lines: Vec<PlotLine>,
+    pub(super) marks: Vec<PlotMark>,
 }
 
-impl Marks {
+impl PlotMarks {
     /// All sync points in the time of a scale.
-    pub(super) fn new(timeline: &Timeline, scale: &Scale, readable: bool) -> Self {
+    pub(super) fn new(timeline: &Timeline, scale: &TimeScale, readable: bool) -> Self {
         let lines = lines(timeline, scale);
         let levels = if readable { LEVELS } else { FEW_LEVELS };
         let marks = if lines.len() > MANY { Vec::new() } else { place(timeline, &lines, levels) };
@@ -68,9 +68,9 @@ impl Marks {
 }
 
 /// Lines far enough from each other, from left to right.
-fn lines(timeline: &Timeline, scale: &Scale) -> Vec<Line> {
+fn lines(timeline: &Timeline, scale: &TimeScale) -> Vec<PlotLine> {
     let (from, to) = scale.window();
-    let mut lines: Vec<Line> = Vec::new();
+    let mut lines: Vec<PlotLine> = Vec::new();
     let mut last: Vec<Option<usize>> = vec![None; timeline.channels.len() * timeline.channels.len()];
     for (index, point) in timeline.waits.iter().enumerate() {
         let Some(release) = point.release_ns.filter(|release| (from..=to).contains(release)) else { continue };
@@ -82,7 +82,7 @@ fn lines(timeline: &Timeline, scale: &Scale) -> Vec<Line> {
             Some(line) => line.points.push(index),
             None => {
                 *latest = Some(lines.len());
-                lines.push(Line { x, rows, points: vec![index] });
+                lines.push(PlotLine { x, rows, points: vec![index] });
             }
         }
     }
@@ -91,7 +91,7 @@ fn lines(timeline: &Timeline, scale: &Scale) -> Vec<Line> {
 }
 
 /// A place for the mark of every line, in the first row where it has room.
-fn place(timeline: &Timeline, lines: &[Line], levels: usize) -> Vec<Mark> {
+fn place(timeline: &Timeline, lines: &[PlotLine], levels: usize) -> Vec<PlotMark> {
     // Where the last mark of each row and level ends.
     let mut ends = vec![[f64::NEG_INFINITY; LEVELS]; timeline.channels.len()];
     let mut marks = Vec::new();
@@ -103,7 +103,7 @@ fn place(timeline: &Timeline, lines: &[Line], levels: usize) -> Vec<Mark> {
             let free = ends.iter_mut().take(levels).enumerate().find(|(_, end)| left >= **end + 3.0);
             if let Some((level, end)) = free {
                 *end = left + wide;
-                marks.push(Mark { text, row, level, left, wide });
+                marks.push(PlotMark { text, row, level, left, wide });
             }
         }
     }
@@ -111,7 +111,7 @@ fn place(timeline: &Timeline, lines: &[Line], levels: usize) -> Vec<Mark> {
 }
 
 /// The names of the sync points of a line, in as many texts as they need; neighbours of one name are counted.
-fn texts(timeline: &Timeline, line: &Line) -> Vec<String> {
+fn texts(timeline: &Timeline, line: &PlotLine) -> Vec<String> {
     let mut names: Vec<(&str, usize)> = Vec::new();
     for point in line.points.iter().filter_map(|index| timeline.waits.get(*index)) {
         match names.last_mut() {

@@ -6,15 +6,15 @@
 use counterpoint_event::FileId;
 use std::fmt::Write as _;
 
-use super::layout::Layout;
-use super::scale::{Scale, time_text};
+use super::layout::PlotLayout;
+use super::scale::{TimeScale, time_text};
 use super::tools;
 use super::{BAR, INK, KINDS, LEFT, RED, SOFT, WIDTH, style};
 use crate::summary::ChannelState;
 use crate::svg::{escape, fit, hundredths, px, text};
-use crate::timeline::bars::Bar;
-use crate::timeline::{Channel, Timeline};
-use counterpoint_event::event::Work;
+use crate::timeline::bars::ActivityBar;
+use crate::timeline::{ChannelTimeline, Timeline};
+use counterpoint_event::event::WorkClass;
 
 /// Bars of a row that still get a hint each.
 const FEW: usize = 300;
@@ -29,8 +29,8 @@ const TOOLS: usize = 4;
 pub(super) fn draw(
     out: &mut String,
     timeline: &Timeline,
-    channel: &Channel,
-    (layout, index): (&Layout, usize),
+    channel: &ChannelTimeline,
+    (layout, index): (&PlotLayout, usize),
     whole: bool,
 ) {
     let (top, scale) = (layout.row_top(index), &layout.scale);
@@ -57,8 +57,8 @@ pub(super) fn draw(
 }
 
 /// Bars drawn as one.
-struct Run {
-    kind: Work,
+struct BarRun {
+    kind: WorkClass,
     t_ns: i64,
     end_ns: i64,
     /// File of the first block, and the lines in that file.
@@ -69,9 +69,9 @@ struct Run {
     carried: Option<String>,
 }
 
-fn runs(bars: &[Bar], scale: &Scale) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
-    let mut small: Vec<&Bar> = Vec::new();
+fn runs(bars: &[ActivityBar], scale: &TimeScale) -> Vec<BarRun> {
+    let mut runs: Vec<BarRun> = Vec::new();
+    let mut small: Vec<&ActivityBar> = Vec::new();
     let wide = |from: i64, to: i64| scale.x(to) - scale.x(from) >= 1.0;
     for bar in bars.iter().filter(|bar| scale.sees(bar.t_ns, bar.end_ns())) {
         if wide(bar.t_ns, bar.end_ns()) {
@@ -88,8 +88,8 @@ fn runs(bars: &[Bar], scale: &Scale) -> Vec<Run> {
     runs
 }
 
-fn flush(small: &mut Vec<&Bar>, runs: &mut Vec<Run>) {
-    let time = |kind: Work| small.iter().filter(|b| b.kind == kind).map(|b| b.dur_ns).sum::<i64>();
+fn flush(small: &mut Vec<&ActivityBar>, runs: &mut Vec<BarRun>) {
+    let time = |kind: WorkClass| small.iter().filter(|b| b.kind == kind).map(|b| b.dur_ns).sum::<i64>();
     let most = KINDS.iter().map(|(kind, ..)| *kind).max_by_key(|kind| time(*kind));
     if let (Some(kind), false) = (most, small.is_empty()) {
         add(runs, run(kind, small));
@@ -97,10 +97,10 @@ fn flush(small: &mut Vec<&Bar>, runs: &mut Vec<Run>) {
     small.clear();
 }
 
-fn run(kind: Work, bars: &[&Bar]) -> Run {
+fn run(kind: WorkClass, bars: &[&ActivityBar]) -> BarRun {
     let (first, last) = (bars.first(), bars.last());
     let ending = bars.iter().take_while(|bar| first.is_some_and(|first| bar.file == first.file)).last();
-    Run {
+    BarRun {
         kind,
         t_ns: first.map_or(0, |b| b.t_ns),
         end_ns: last.map_or(0, |b| b.end_ns()),
@@ -115,7 +115,7 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
 }
 
 /// Runs of work that touch and are of one kind become one.
-fn add(runs: &mut Vec<Run>, next: Run) {
+fn add(runs: &mut Vec<BarRun>, next: BarRun) {
     match runs.last_mut() {
         Some(last)
             if last.kind == next.kind && last.end_ns == next.t_ns && last.file == next.file && next.label.is_none() =>
@@ -126,7 +126,7 @@ fn add(runs: &mut Vec<Run>, next: Run) {
     }
 }
 
-fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scale) {
+fn single(out: &mut String, run: &BarRun, channel: &ChannelTimeline, top: f64, scale: &TimeScale) {
     let (name, color) = style(run.kind);
     let (from, to) = scale.within(run.t_ns, run.end_ns);
     let (x, width) = (scale.x(from), (scale.x(to) - scale.x(from)).max(0.5));
@@ -157,8 +157,8 @@ fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scal
 }
 
 /// Below the bars of waits during which another channel moved an axis of this one.
-fn carried(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
-    let (_, color) = style(Work::Feed);
+fn carried(out: &mut String, runs: &[BarRun], top: f64, scale: &TimeScale) {
+    let (_, color) = style(WorkClass::Feed);
     for run in runs {
         let Some(axes) = &run.carried else { continue };
         let (from, to) = scale.within(run.t_ns, run.end_ns);
@@ -172,7 +172,7 @@ fn carried(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
     }
 }
 
-fn many(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
+fn many(out: &mut String, runs: &[BarRun], top: f64, scale: &TimeScale) {
     for (kind, _, color) in KINDS {
         let mut started = false;
         for run in runs.iter().filter(|r| r.kind == kind) {
@@ -197,7 +197,7 @@ fn many(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
 }
 
 /// The word and mark after the last bar of a channel that did not end well.
-fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, scale: &Scale) {
+fn ending(out: &mut String, timeline: &Timeline, channel: &ChannelTimeline, top: f64, scale: &TimeScale) {
     let (x, middle) = (scale.x(channel.end_ns), top + BAR / 2.0 + 4.5);
     match channel.state {
         ChannelState::Blocked => {

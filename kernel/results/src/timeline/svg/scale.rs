@@ -9,14 +9,14 @@ const S: i64 = 1_000_000_000;
 
 /// From simulated time to pixels.
 #[derive(Debug)]
-pub(super) struct Scale {
+pub(super) struct TimeScale {
     from_ns: i64,
     span_ns: i64,
     pub(super) left: f64,
     pub(super) right: f64,
 }
 
-impl Scale {
+impl TimeScale {
     /// From one time to another; a job without any length is drawn as one of a second.
     pub(super) fn new((from_ns, to_ns): (i64, i64), left: f64, right: f64) -> Self {
         Self { from_ns, span_ns: if to_ns > from_ns { to_ns - from_ns } else { S }, left, right }

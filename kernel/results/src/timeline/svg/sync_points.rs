@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use super::layout::Layout;
-use super::marks::{Line, MANY};
+use super::layout::PlotLayout;
+use super::marks::{MANY, PlotLine};
 use super::scale::time_text;
 use super::{BAR, INK};
 use crate::svg::{escape, text};
@@ -14,7 +14,7 @@ use crate::timeline::Timeline;
 /// Sync points that a hint names at most.
 const NAMED: usize = 12;
 
-pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
+pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &PlotLayout) {
     let lines = &layout.marks.lines;
     if lines.is_empty() {
         return;
@@ -57,7 +57,7 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
 }
 
 /// The hint of a line: for each sync point its mark, its time, and the place of each arrival.
-fn hint(timeline: &Timeline, line: &Line) -> String {
+fn hint(timeline: &Timeline, line: &PlotLine) -> String {
     let mut hint = String::new();
     for point in line.points.iter().take(NAMED).filter_map(|index| timeline.waits.get(*index)) {
         let separator = if hint.is_empty() { "" } else { " | " };

@@ -5,11 +5,11 @@
 
 use std::fmt::Write as _;
 
-use super::scale::{Scale, time_text};
+use super::scale::{TimeScale, time_text};
 use super::{SOFT, STRIP};
-use crate::spans::Span;
+use crate::spans::ToolSpan;
 use crate::svg::{escape, fit, text, width};
-use crate::timeline::Channel;
+use crate::timeline::ChannelTimeline;
 
 /// Grounds of neighbours.
 const GROUNDS: [&str; 2] = ["#e3e9f0", "#f3f5f8"];
@@ -17,11 +17,11 @@ const GROUNDS: [&str; 2] = ["#e3e9f0", "#f3f5f8"];
 const LEAST: f64 = 1.5;
 
 /// `T3 GROOVE`.
-pub(super) fn name(span: &Span) -> String {
+pub(super) fn name(span: &ToolSpan) -> String {
     if span.operation.is_empty() { format!("T{}", span.tool) } else { format!("T{} {}", span.tool, span.operation) }
 }
 
-pub(super) fn draw(out: &mut String, channel: &Channel, top: f64, scale: &Scale) {
+pub(super) fn draw(out: &mut String, channel: &ChannelTimeline, top: f64, scale: &TimeScale) {
     let mut free = f64::NEG_INFINITY;
     let mut grounds = GROUNDS.into_iter().cycle();
     for span in channel.tools.iter().filter(|span| scale.sees(span.t_ns, span.end_ns)) {

@@ -6,19 +6,19 @@ use std::fmt::Write as _;
 use super::sight::{Projection, Sight};
 use super::{INK, LEFT, RIGHT, SOFT};
 use crate::svg::{round_step, text};
-use crate::toolpath::store::{Curve, Path, Stroke};
+use crate::toolpath::store::{Curve, RecordedPath, Stroke};
 
 /// Visible extent by coordinate; for a view, to the right and up.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
+pub(super) struct PictureBounds {
     low: [f64; 3],
     high: [f64; 3],
 }
 
-impl Bounds {
+impl PictureBounds {
     /// Extent of the cutting moves, or of all moves when nothing cuts, with a margin; each path with whether it is seen
     /// below the turning axis.
-    pub(super) fn of<'a>(paths: impl Iterator<Item = (&'a Path, bool)> + Clone) -> Self {
+    pub(super) fn of<'a>(paths: impl Iterator<Item = (&'a RecordedPath, bool)> + Clone) -> Self {
         let none = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         let (mut cutting, mut all) = (none, Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] });
         for (path, mirrored) in paths {
@@ -103,7 +103,7 @@ fn seen(point: [f64; 3], mirrored: bool) -> [f64; 3] {
 
 /// A view in the picture.
 #[derive(Debug, Clone)]
-pub(super) struct Frame {
+pub(super) struct PictureView {
     pub(super) sight: Sight,
     /// Pixels per unit.
     pub(super) scale: f64,
@@ -117,8 +117,8 @@ pub(super) struct Frame {
     pub(super) bottom: f64,
 }
 
-impl Frame {
-    pub(super) fn new(sight: Sight, bounds: &Bounds, scale: f64, top: f64) -> Self {
+impl PictureView {
+    pub(super) fn new(sight: Sight, bounds: &PictureBounds, scale: f64, top: f64) -> Self {
         let ((low, high), (under, over)) = (bounds.at(0), bounds.at(1));
         // Sideways the view takes the whole width, its content in the middle.
         let spare = ((RIGHT - LEFT) / scale - (high - low)).max(0.0) / 2.0;

@@ -7,11 +7,11 @@ use std::fmt::Write as _;
 
 use rustc_hash::FxHashSet;
 
-use super::frame::Frame;
+use super::frame::PictureView;
 use super::place;
 use crate::svg::{escape, px};
-use crate::toolpath::store::{Path, Stroke};
-use crate::toolpath::{Channel, Toolpath};
+use crate::toolpath::store::{RecordedPath, Stroke};
+use crate::toolpath::{ChannelToolpath, Toolpath};
 use counterpoint_event::event::FileId;
 
 /// Marks of a path at most.
@@ -23,7 +23,7 @@ const STILL: f64 = 1e-3;
 
 /// A hole.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hole {
+pub(super) struct DrawnHole {
     at: [f64; 3],
     tool: u32,
     file: FileId,
@@ -31,11 +31,11 @@ pub(super) struct Hole {
 }
 
 /// The holes of a path in their order, [`MOST`] at most.
-pub(super) fn holes(path: &Path) -> Vec<Hole> {
+pub(super) fn holes(path: &RecordedPath) -> Vec<DrawnHole> {
     let mut found = Vec::new();
     let mut from = [0.0; 3];
     // The deepest feed at the place where the tool is.
-    let mut deepest: Option<Hole> = None;
+    let mut deepest: Option<DrawnHole> = None;
     for (mark, moves) in path.sections() {
         for step in moves {
             let to = step.to();
@@ -48,7 +48,7 @@ pub(super) fn holes(path: &Path) -> Vec<Hole> {
             }
             let feeds = matches!(step.stroke(), Stroke::Feed | Stroke::Thread) && path.curve(step).is_none();
             if stays && feeds && to[2] < from[2] - STILL && deepest.is_none_or(|hole| to[2] < hole.at[2]) {
-                deepest = Some(Hole { at: to, tool: mark.tool, file: mark.file, line: step.line });
+                deepest = Some(DrawnHole { at: to, tool: mark.tool, file: mark.file, line: step.line });
             }
             from = to;
         }
@@ -60,9 +60,9 @@ pub(super) fn holes(path: &Path) -> Vec<Hole> {
 /// Draws the marks.
 pub(super) fn draw<'c>(
     out: &mut String,
-    (toolpath, channel): (&Toolpath, &Channel),
-    path: &Path,
-    frame: &Frame,
+    (toolpath, channel): (&Toolpath, &ChannelToolpath),
+    path: &RecordedPath,
+    frame: &PictureView,
     color: impl Fn(u32) -> &'c str,
 ) {
     let mut drawn = FxHashSet::default();
@@ -85,6 +85,6 @@ pub(super) fn draw<'c>(
 }
 
 /// Whether the path has a hole, for the legend.
-pub(super) fn has_any(path: &Path) -> bool {
+pub(super) fn has_any(path: &RecordedPath) -> bool {
     !holes(path).is_empty()
 }

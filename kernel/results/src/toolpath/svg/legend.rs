@@ -7,8 +7,8 @@ use super::holes;
 use super::sight::sights;
 use super::{KINDS, LEFT, RIGHT, SOFT};
 use crate::svg::{fit, text, width};
-use crate::toolpath::store::{Path, Stroke};
-use crate::toolpath::{Channel, Toolpath};
+use crate::toolpath::store::{RecordedPath, Stroke};
+use crate::toolpath::{ChannelToolpath, Toolpath};
 
 /// Name of the marks of holes.
 const HOLE: &str = "hole";
@@ -20,7 +20,7 @@ const ROW: f64 = 18.0;
 const NAME: f64 = 260.0;
 
 /// An entry with its place.
-struct Entry {
+struct LegendEntry {
     name: String,
     color: String,
     style: &'static str,
@@ -30,7 +30,7 @@ struct Entry {
 /// Colours by channel and tool.
 pub(super) struct Palette {
     tools: Vec<(usize, u32, String)>,
-    entries: Vec<Entry>,
+    entries: Vec<LegendEntry>,
     rows: usize,
 }
 
@@ -89,10 +89,10 @@ impl Palette {
             if last && left > 1 {
                 let name = format!("and {left} more tools");
                 let at = (x, row as f64 * ROW);
-                self.entries.push(Entry { name, color: SOFT.to_owned(), style: r#"stroke-width="0""#, at });
+                self.entries.push(LegendEntry { name, color: SOFT.to_owned(), style: r#"stroke-width="0""#, at });
                 break;
             }
-            self.entries.push(Entry { name, color, style, at: (x, row as f64 * ROW) });
+            self.entries.push(LegendEntry { name, color, style, at: (x, row as f64 * ROW) });
             x += wide;
         }
         self.rows = row + 1;
@@ -114,7 +114,7 @@ impl Palette {
     }
 
     pub(super) fn draw(&self, out: &mut String) {
-        for Entry { name, color, style, at: (x, y) } in &self.entries {
+        for LegendEntry { name, color, style, at: (x, y) } in &self.entries {
             let middle = 46.0 + y;
             let _ = if name == HOLE {
                 writeln!(
@@ -132,13 +132,13 @@ impl Palette {
     }
 }
 
-fn cuts(path: &Path) -> bool {
+fn cuts(path: &RecordedPath) -> bool {
     let unequipped = path.sections().take_while(|(mark, _)| mark.tool == 0);
     unequipped.flat_map(|(_, moves)| moves).any(|step| matches!(step.stroke(), Stroke::Feed | Stroke::Thread))
 }
 
 /// `1 UPPER T3 GROOVE (not to its end)`, as far as it is needed.
-fn label(channel: &Channel, tool: &str, name: &str, with_channel: bool) -> String {
+fn label(channel: &ChannelToolpath, tool: &str, name: &str, with_channel: bool) -> String {
     let cut = if channel.path.truncated { "(not to its end)" } else { "" };
     let number = channel.channel.to_string();
     let whole = [

@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::canvas::Canvas;
-use super::frame::Frame;
+use super::frame::PictureView;
 use super::sight::Projection;
 use crate::svg::{hundredths, px};
 use crate::toolpath::store::Curve;
@@ -87,7 +87,7 @@ impl Pen {
         self.pending = Some(to);
     }
 
-    pub(super) fn arc(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &Frame) {
+    pub(super) fn arc(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &PictureView) {
         let radius = curve.radius * frame.scale;
         let plane = curve.plane.map(usize::from);
         let axes = match frame.sight.projection {
@@ -130,7 +130,7 @@ impl Pen {
     }
 
     /// Paints the arc at four places; `true` when all were painted already.
-    fn painted(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &Frame) -> bool {
+    fn painted(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &PictureView) -> bool {
         let Some(canvas) = &mut self.canvas else { return false };
         let mut fresh = false;
         for n in 1..5 {

@@ -4,9 +4,9 @@
 //! [`MOST`] pieces and three for every window, however long the path is, and pieces shorter than a few pixels are
 //! joined with the next ones.
 
-use super::frame::Frame;
+use super::frame::PictureView;
 use super::pen::Pen;
-use crate::toolpath::store::{Path, Stroke};
+use crate::toolpath::store::{RecordedPath, Stroke};
 use counterpoint_event::event::FileId;
 
 /// Pixels that a drawn line may be off.
@@ -21,7 +21,7 @@ const MOST: usize = 5_000;
 const LEAST: f64 = 4.0;
 
 /// A part of the path.
-pub(super) struct Piece {
+pub(super) struct PathPiece {
     pub(super) stroke: Stroke,
     pub(super) tool: u32,
     pub(super) file: FileId,
@@ -31,23 +31,23 @@ pub(super) struct Piece {
     pub(super) d: String,
 }
 
-struct Cutter {
+struct PathPieceBuilder {
     pens: [(Stroke, Pen); 4],
-    pieces: Vec<Piece>,
+    pieces: Vec<PathPiece>,
     tool: u32,
     file: FileId,
     lines: (u32, u32),
     moves: usize,
 }
 
-impl Cutter {
+impl PathPieceBuilder {
     /// Ends the pieces of the window.
     fn cut(&mut self) {
         for (stroke, pen) in &mut self.pens {
             let d = pen.cut();
             if !d.is_empty() {
                 let (stroke, tool, file, lines) = (*stroke, self.tool, self.file, self.lines);
-                self.pieces.push(Piece { stroke, tool, file, lines, d });
+                self.pieces.push(PathPiece { stroke, tool, file, lines, d });
             }
         }
         self.moves = 0;
@@ -61,14 +61,14 @@ impl Cutter {
 
 /// The path in pieces, in order. With `breaks`, a place where the path starts again elsewhere is joined with its
 /// previous end.
-pub(super) fn pieces(path: &Path, frame: &Frame, breaks: bool) -> Vec<Piece> {
+pub(super) fn pieces(path: &RecordedPath, frame: &PictureView, breaks: bool) -> Vec<PathPiece> {
     let long = path.moves.len() > LONG;
     let window = path.moves.len().div_ceil(WINDOWS).max(1);
     let pens = [Stroke::Start, Stroke::Rapid, Stroke::Feed, Stroke::Thread].map(|stroke| match stroke {
         Stroke::Start | Stroke::Rapid if !long => (stroke, Pen::dashed(COARSENESS)),
         _ => (stroke, Pen::new(COARSENESS, long)),
     });
-    let mut cutter = Cutter { pens, pieces: Vec::new(), tool: 0, file: 0, lines: (0, 0), moves: 0 };
+    let mut cutter = PathPieceBuilder { pens, pieces: Vec::new(), tool: 0, file: 0, lines: (0, 0), moves: 0 };
     let (mut from, mut last, mut begun) = ([0.0; 3], None, false);
     for (mark, moves) in path.sections() {
         let changes = cutter.tool != mark.tool || cutter.file != mark.file && cutter.visible() && window == 1;

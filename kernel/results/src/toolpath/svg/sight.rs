@@ -3,11 +3,11 @@
 //! *Invariant:* a projection is linear, so that straight moves are straight in every view.
 
 use super::Toolpath;
-use crate::toolpath::View;
+use crate::toolpath::ToolpathView;
 
 /// The path that a view shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum ViewedPath {
     /// The path in the work frame.
     Path,
     /// The path of live tools on the face of the part.
@@ -62,7 +62,7 @@ impl Upwards {
 /// One view.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sight {
-    pub(super) source: Source,
+    pub(super) source: ViewedPath,
     pub(super) projection: Projection,
     pub(super) across: &'static str,
     pub(super) upwards: Upwards,
@@ -80,22 +80,22 @@ impl Sight {
 /// The views of a picture.
 pub(super) fn sights(toolpath: &Toolpath) -> Vec<Sight> {
     let along = |axes, across, up| Sight {
-        source: Source::Path,
+        source: ViewedPath::Path,
         projection: Projection::Along(axes),
         across,
         upwards: Upwards::plain(up),
         shows_holes: axes == [0, 1],
     };
     match toolpath.view {
-        View::Zx => {
+        ToolpathView::Zx => {
             let both_ways = toolpath.channels.iter().any(|c| c.lower);
             let upwards = Upwards { name: "X (diameter)", factor: 2.0, both_ways };
             let side = Sight { upwards, shows_holes: false, ..along([0, 1], "Z", "X") };
-            let face = Sight { source: Source::Face, ..along([0, 1], "face: X (radius)", "Y") };
+            let face = Sight { source: ViewedPath::Face, ..along([0, 1], "face: X (radius)", "Y") };
             let live = toolpath.channels.iter().any(|channel| channel.face.is_some());
             if live { vec![side, face] } else { vec![side] }
         }
-        View::Xyz => {
+        ToolpathView::Xyz => {
             let space = Sight { projection: Projection::Isometric, ..along([0, 2], "", "") };
             vec![along([0, 1], "X", "Y"), along([0, 2], "X", "Z"), space]
         }

@@ -5,11 +5,11 @@
 use std::fmt::Write as _;
 
 use super::RED;
-use super::frame::Frame;
+use super::frame::PictureView;
 use crate::summary::ChannelState;
 use crate::svg::{escape, text};
-use crate::toolpath::store::Path;
-use crate::toolpath::{Channel, StopPlace, Toolpath};
+use crate::toolpath::store::RecordedPath;
+use crate::toolpath::{ChannelToolpath, StopPlace, Toolpath};
 
 /// Half the size of a mark, px.
 const SIZE: f64 = 6.0;
@@ -36,7 +36,13 @@ fn phrase(stop: &StopPlace) -> String {
 
 /// A cross at the end of the path. The outline of its label is a separate text below it: a renderer that does not know
 /// `paint-order` would draw the outline over the letters.
-pub(super) fn draw(out: &mut String, channel: &Channel, stop: &StopPlace, path: &Path, frame: &Frame) {
+pub(super) fn draw(
+    out: &mut String,
+    channel: &ChannelToolpath,
+    stop: &StopPlace,
+    path: &RecordedPath,
+    frame: &PictureView,
+) {
     let Some(last) = path.moves.last() else { return };
     let [x, y] = frame.pixel_inside(&last.to(), SIZE);
     let hint = escape(&format!("{}: {}", channel.name, phrase(stop)));

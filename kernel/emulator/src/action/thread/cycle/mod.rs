@@ -9,20 +9,23 @@ mod path;
 mod words;
 
 use super::Screw;
-use crate::act::Act;
-use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::thread::{Setting, ThreadCycle};
+use counterpoint_machine::ident::kind::thread::{ThreadCycle, ThreadCycleSetting};
 use counterpoint_machine::index::AxisSlot;
-use passes::Plan;
+use passes::ThreadPassPlan;
 
 /// Codes with their actions.
-pub(crate) const ENTRIES: &[Entry] = &[
-    entry_of_kind!(CodeKind::ThreadCycle(kind) => |act, _row, _code| cycle(act, kind)).moves().contour(Contour::Leaves),
-    entry_of_kind!(CodeKind::ThreadSetting(setting) => |act, _row, _code| set(act, setting)).contour(Contour::Waits),
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    entry_of_kind!(CodeKind::ThreadCycle(kind) => |act, _row, _code| cycle(act, kind))
+        .moves()
+        .contour(CompensationEffect::Leaves),
+    entry_of_kind!(CodeKind::ThreadSetting(setting) => |act, _row, _code| set(act, setting))
+        .contour(CompensationEffect::Waits),
 ];
 
 /// A thread to cut, in geometry units: radius values along X.
@@ -42,28 +45,30 @@ struct Thread {
 }
 
 /// A setting acts.
-pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
+pub(crate) fn set(act: &mut ActionContext<'_, '_>, setting: ThreadCycleSetting) -> Acted {
     let mode = act.channel().state.threads.cycle.mode;
     let zigzag = |mode: u8| matches!(mode, 2 | 4);
     match setting {
-        Setting::Chamfer(on) => {
+        ThreadCycleSetting::Chamfer(on) => {
             act.channel_mut().state.threads.cycle.pull_out.on = on;
             if on {
                 words::chamfer(act);
             }
         }
-        Setting::Zigzag(on) => {
+        ThreadCycleSetting::Zigzag(on) => {
             act.channel_mut().state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on)
         }
-        Setting::Depth(true) => act.channel_mut().state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
-        Setting::Depth(false) if mode >= 3 => act.channel_mut().state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
-        Setting::Depth(false) => {}
+        ThreadCycleSetting::Depth(true) => act.channel_mut().state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
+        ThreadCycleSetting::Depth(false) if mode >= 3 => {
+            act.channel_mut().state.threads.cycle.mode = 1 + u8::from(zigzag(mode))
+        }
+        ThreadCycleSetting::Depth(false) => {}
     }
     Ok(())
 }
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
-pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
+pub(crate) fn cycle(act: &mut ActionContext<'_, '_>, kind: ThreadCycle) -> Acted {
     let axis = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
         let text = format!(
@@ -87,7 +92,7 @@ pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 }
 
 /// One pass and back.
-fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
+fn single(act: &mut ActionContext<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
     if act.channel().acting.mode_changed {
         (act.channel_mut().state.threads.cycle.end, act.channel_mut().state.threads.cycle.taper) = ([None; 2], 0.0);
     }
@@ -117,7 +122,7 @@ fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acte
 }
 
 /// All passes of a thread.
-fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
+fn multi(act: &mut ActionContext<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
     if act.channel().env.machine.threads.two_lines && !words::positioned(act) {
         return words::settings(act, kind);
     }
@@ -143,14 +148,14 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
 }
 
 /// The passes that the settings make of a depth.
-fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
+fn plan(act: &mut ActionContext<'_, '_>) -> Result<ThreadPassPlan, Halt> {
     if act.channel().state.threads.cycle.depth.is_none() {
         let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let cycle = &act.channel().state.threads.cycle;
     let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
-    let plan = Plan {
+    let plan = ThreadPassPlan {
         mode: cycle.mode,
         depth: cycle.depth.unwrap_or(0.0).abs(),
         step: cycle.step.map(f64::abs),
@@ -160,7 +165,7 @@ fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
         finish: cycle.finish.abs(),
     };
     if cycle.depth.is_none() {
-        return Ok(Plan { step: None, cuts: None, finish_cuts: 0, finish: 0.0, ..plan });
+        return Ok(ThreadPassPlan { step: None, cuts: None, finish_cuts: 0, finish: 0.0, ..plan });
     }
     let amounts = [("finishing allowance", plan.finish), ("smallest cut", plan.least)];
     if let Some((name, amount)) = amounts.into_iter().find(|(_, amount)| *amount > plan.depth + 1e-9) {

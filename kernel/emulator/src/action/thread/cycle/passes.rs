@@ -9,7 +9,7 @@ pub(super) const MOST_PASSES: usize = 1000;
 
 /// Data that determine the passes; lengths are radius values.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plan {
+pub(super) struct ThreadPassPlan {
     /// `$THMODE`
     pub(super) mode: u8,
     /// Whole depth.
@@ -27,15 +27,15 @@ pub(super) struct Plan {
 
 /// A pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pass {
+pub(super) struct ThreadPass {
     /// Counts from 1; 0 for finishing.
     pub(super) number: u32,
     pub(super) depth: f64,
 }
 
-impl Plan {
+impl ThreadPassPlan {
     /// The passes, and whether there are more than may be.
-    pub(super) fn passes(&self) -> (Vec<Pass>, bool) {
+    pub(super) fn passes(&self) -> (Vec<ThreadPass>, bool) {
         let rough = (self.depth - self.finish).max(0.0);
         let mut passes = Vec::new();
         let mut cut_short = false;
@@ -48,14 +48,14 @@ impl Plan {
                 let done = next >= rough - 1e-9;
                 if done || number == last || passes.len() + 1 >= MOST_PASSES {
                     cut_short = !done && self.cuts.is_none_or(|cuts| cuts > number);
-                    passes.push(Pass { number, depth: rough });
+                    passes.push(ThreadPass { number, depth: rough });
                     break;
                 }
                 depth = next;
-                passes.push(Pass { number, depth });
+                passes.push(ThreadPass { number, depth });
             }
         }
-        let finishing = Pass { number: 0, depth: self.depth };
+        let finishing = ThreadPass { number: 0, depth: self.depth };
         passes.extend(std::iter::repeat_n(finishing, self.finish_cuts as usize));
         (passes, cut_short)
     }
@@ -95,53 +95,56 @@ impl Plan {
 mod tests {
     use super::*;
 
-    const PLAN: Plan =
-        Plan { mode: 1, depth: 1.0, step: Some(0.4), least: 0.0, cuts: None, finish_cuts: 0, finish: 0.0 };
+    const PLAN: ThreadPassPlan =
+        ThreadPassPlan { mode: 1, depth: 1.0, step: Some(0.4), least: 0.0, cuts: None, finish_cuts: 0, finish: 0.0 };
 
-    fn depths(plan: &Plan) -> Vec<f64> {
+    fn depths(plan: &ThreadPassPlan) -> Vec<f64> {
         plan.passes().0.iter().map(|pass| (pass.depth * 1e4).round() / 1e4).collect()
     }
 
     #[test]
     fn the_same_cross_section() {
         assert_eq!(depths(&PLAN), [0.4, 0.5657, 0.6928, 0.8, 0.8944, 0.9798, 1.0]);
-        assert_eq!(depths(&Plan { depth: 3.0, step: None, cuts: Some(4), ..PLAN }), [1.5, 2.1213, 2.5981, 3.0]);
-        assert_eq!(depths(&Plan { least: 0.2, ..PLAN }), [0.4, 0.6, 0.8, 1.0]);
+        assert_eq!(
+            depths(&ThreadPassPlan { depth: 3.0, step: None, cuts: Some(4), ..PLAN }),
+            [1.5, 2.1213, 2.5981, 3.0]
+        );
+        assert_eq!(depths(&ThreadPassPlan { least: 0.2, ..PLAN }), [0.4, 0.6, 0.8, 1.0]);
     }
 
     #[test]
     fn the_same_step() {
-        let plan = Plan { mode: 3, ..PLAN };
+        let plan = ThreadPassPlan { mode: 3, ..PLAN };
         assert_eq!(depths(&plan), [0.4, 0.8, 1.0]);
-        assert_eq!(depths(&Plan { step: None, cuts: Some(4), ..plan }), [0.25, 0.5, 0.75, 1.0]);
-        assert_eq!(depths(&Plan { cuts: Some(2), ..plan }), [0.4, 1.0]);
+        assert_eq!(depths(&ThreadPassPlan { step: None, cuts: Some(4), ..plan }), [0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(depths(&ThreadPassPlan { cuts: Some(2), ..plan }), [0.4, 1.0]);
     }
 
     #[test]
     fn steps_that_fall_evenly() {
-        let plan = Plan { mode: 0, step: Some(0.3), ..PLAN };
+        let plan = ThreadPassPlan { mode: 0, step: Some(0.3), ..PLAN };
         assert_eq!(depths(&plan), [0.3, 0.5467, 0.74, 0.88, 0.9667, 1.0]);
-        assert_eq!(depths(&Plan { least: 0.1, ..plan }), [0.3, 0.55, 0.75, 0.9, 1.0]);
-        assert_eq!(depths(&Plan { step: None, cuts: Some(4), ..plan }), [0.4, 0.7, 0.9, 1.0]);
+        assert_eq!(depths(&ThreadPassPlan { least: 0.1, ..plan }), [0.3, 0.55, 0.75, 0.9, 1.0]);
+        assert_eq!(depths(&ThreadPassPlan { step: None, cuts: Some(4), ..plan }), [0.4, 0.7, 0.9, 1.0]);
     }
 
     #[test]
     fn finishing_comes_last() {
-        let plan = Plan { mode: 3, step: Some(0.5), finish: 0.1, finish_cuts: 2, ..PLAN };
+        let plan = ThreadPassPlan { mode: 3, step: Some(0.5), finish: 0.1, finish_cuts: 2, ..PLAN };
         assert_eq!(depths(&plan), [0.5, 0.9, 1.0, 1.0]);
-        assert_eq!(depths(&Plan { finish_cuts: 0, ..plan }), [0.5, 0.9]);
-        assert_eq!(depths(&Plan { finish: 2.0, ..plan }), [1.0, 1.0]);
+        assert_eq!(depths(&ThreadPassPlan { finish_cuts: 0, ..plan }), [0.5, 0.9]);
+        assert_eq!(depths(&ThreadPassPlan { finish: 2.0, ..plan }), [1.0, 1.0]);
     }
 
     #[test]
     fn nonsense_ends() {
         for step in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
-            assert_eq!(depths(&Plan { step: Some(step), ..PLAN }), [1.0]);
+            assert_eq!(depths(&ThreadPassPlan { step: Some(step), ..PLAN }), [1.0]);
         }
-        let (passes, cut_short) = Plan { step: Some(1e-9), ..PLAN }.passes();
+        let (passes, cut_short) = ThreadPassPlan { step: Some(1e-9), ..PLAN }.passes();
         assert!(passes.len() == MOST_PASSES && cut_short);
         for depth in [f64::NAN, f64::INFINITY, 0.0] {
-            assert!(Plan { depth, ..PLAN }.passes().0.len() <= MOST_PASSES);
+            assert!(ThreadPassPlan { depth, ..PLAN }.passes().0.len() <= MOST_PASSES);
         }
     }
 }

@@ -8,7 +8,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::thread::Lead;
 
 use super::{Thread, plan};
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
@@ -34,7 +34,7 @@ struct Chamfer {
     locked: bool,
 }
 
-impl Act<'_, '_> {
+impl ActionContext<'_, '_> {
     /// All passes of a thread, each for every start.
     pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
         let plan = plan(self)?;

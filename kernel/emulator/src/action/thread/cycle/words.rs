@@ -5,7 +5,7 @@
 //! control-emulator.md 6.5.
 
 use super::{Thread, ThreadCycle};
-use crate::act::Act;
+use crate::act::ActionContext;
 use crate::action::thread::Screw;
 use crate::state::modal::group;
 use counterpoint_event::event::Position;
@@ -24,7 +24,7 @@ const AXES: [usize; 2] = [0, 2];
 pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f64);
 
 /// Whether a position of a thread is in the block.
-pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
+pub(super) fn positioned(act: &ActionContext<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
     let axes =
         AXES.into_iter().filter_map(|role| act.channel().state.place.layout.cartesian.get(role).copied().flatten());
@@ -33,7 +33,7 @@ pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
 }
 
 /// Positions along X and Z as programmed in the work frame; with `axes` the words of the axes stand in.
-pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
+pub(super) fn points(act: &mut ActionContext<'_, '_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
     let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
@@ -57,11 +57,11 @@ pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Op
 }
 
 /// Values of two identifiers.
-pub(super) fn values(act: &mut Act<'_, '_>, ids: [DataId; 2]) -> [Option<f64>; 2] {
+pub(super) fn values(act: &mut ActionContext<'_, '_>, ids: [DataId; 2]) -> [Option<f64>; 2] {
     ids.map(|id| act.take(id).map(|datum| datum.value))
 }
 
-fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Option<f64> {
+fn take_within(act: &mut ActionContext<'_, '_>, id: DataId, least: f64, most: f64) -> Option<f64> {
     let value = act.take(id)?.value;
     if (least..=most).contains(&value) {
         return Some(value);
@@ -73,7 +73,7 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
 }
 
 /// Data that last from cycle to cycle: the first of two lines.
-pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
+pub(super) fn settings(act: &mut ActionContext<'_, '_>, kind: ThreadCycle) -> Acted {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if let Some(finish) = act.take(finish) {
         act.channel_mut().state.threads.cycle.finish = finish.value.abs();
@@ -91,7 +91,7 @@ pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 }
 
 /// Nose angle and infeed.
-fn angles(act: &mut Act<'_, '_>) -> Acted {
+fn angles(act: &mut ActionContext<'_, '_>) -> Acted {
     if let Some(angle) = take_within(act, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
         check_nose(act, angle)?;
         act.channel_mut().state.threads.cycle.nose = angle;
@@ -103,7 +103,7 @@ fn angles(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// Depth, steps and passes.
-pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
+pub(super) fn amounts(act: &mut ActionContext<'_, '_>, kind: ThreadCycle) -> Acted {
     let one_line = !act.channel().env.machine.threads.two_lines;
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if one_line && let Some(finish) = act.take(finish) {
@@ -132,7 +132,7 @@ pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 }
 
 /// The packed word: two digits each of finishing passes, chamfer in tenths of the lead, nose angle.
-pub(super) fn packed(act: &mut Act<'_, '_>) -> Acted {
+pub(super) fn packed(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(word) = take_within(act, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return Ok(()) };
     let word = word as u32;
     check_nose(act, f64::from(word % 100))?;
@@ -146,7 +146,7 @@ pub(super) fn packed(act: &mut Act<'_, '_>) -> Acted {
 }
 
 /// The control has an angle of the nose.
-fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
+fn check_nose(act: &mut ActionContext<'_, '_>, angle: f64) -> Acted {
     let noses = act.channel().env.machine.threads.noses;
     if noses == 0 || angle.fract() == 0.0 && noses >> (angle as u32).min(127) & 1 != 0 {
         return Ok(());
@@ -157,7 +157,7 @@ fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
 }
 
 /// Length and angle of the chamfer; a length of nothing is none.
-pub(super) fn chamfer(act: &mut Act<'_, '_>) {
+pub(super) fn chamfer(act: &mut ActionContext<'_, '_>) {
     if let Some(length) = act.take(data::THREAD_CHAMFER_LENGTH) {
         let cycle = &mut act.channel_mut().state.threads.cycle;
         cycle.pull_out.length = length.value.abs();
@@ -171,7 +171,7 @@ pub(super) fn chamfer(act: &mut Act<'_, '_>) {
 
 /// The lead: the cycle's own word, otherwise that of threads.
 pub(super) fn screw(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     pitch: DataId,
     change: DataId,
     along: AxisSlot,
@@ -194,7 +194,7 @@ pub(super) fn screw(
 
 /// The thread between start and end, in geometry units.
 pub(super) fn thread(
-    act: &mut Act<'_, '_>,
+    act: &mut ActionContext<'_, '_>,
     kind: ThreadCycle,
     axes: [AxisSlot; 2],
     (start, end, offset, taper): Said,
