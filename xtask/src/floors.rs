@@ -12,8 +12,9 @@ const FLOORS: &[&[&str]] = &[
     &["ports", "lang-standalone", "signs"],
     &["machine"],
     &["program"],
-    &["dialect", "results"],
-    &["sync"],
+    &["control-api", "results"],
+    &["control-fanuc", "control-heidenhain", "control-isg", "control-okuma", "control-siemens", "sync"],
+    &["controls"],
     &["waits"],
     &["emulator"],
     &["kernel"],
@@ -70,12 +71,12 @@ mod tests {
         let good =
             package("counterpoint-machine", &[("counterpoint-lang", None), ("counterpoint-server", Some("dev"))]);
         let up = package("counterpoint-lang", &[("counterpoint-machine", None)]);
-        let beside = package("counterpoint-dialect", &[("counterpoint-results", Some("build"))]);
+        let beside = package("counterpoint-control-api", &[("counterpoint-results", Some("build"))]);
         let new = package("counterpoint-attic", &[]);
         let findings = findings(&[good, up, beside, new]);
         assert_eq!(findings.len(), 3, "{findings:?}");
         assert!(findings[0].starts_with("counterpoint-lang uses counterpoint-machine"), "{findings:?}");
-        assert!(findings[1].starts_with("counterpoint-dialect uses counterpoint-results"), "{findings:?}");
+        assert!(findings[1].starts_with("counterpoint-control-api uses counterpoint-results"), "{findings:?}");
         assert!(findings[2].starts_with("counterpoint-attic has no floor"), "{findings:?}");
     }
 }

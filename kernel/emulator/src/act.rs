@@ -20,7 +20,7 @@ use crate::state::figure::CopiedFigure;
 use crate::state::frames::offsets::OffsetTable;
 use crate::state::spindle::SpindleRotation;
 use crate::state::turning::ContourCycle;
-use counterpoint_dialect::{NotThere, is_vacant};
+use counterpoint_control_api::{NotThere, is_vacant};
 use counterpoint_event::event::{Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;

@@ -98,7 +98,7 @@ impl Job {
             return Err(PrepareError { findings: unknown, cancelled: false });
         }
         spec.options.limits = spec.options.limits.capped();
-        let syntax = |machine: &Machine| counterpoint_dialect::of(machine).syntax();
+        let syntax = |machine: &Machine| counterpoint_controls::of(machine).syntax();
         let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
             _ if stop.asked_once_resumed() => return Err(cancelled()),
             Ok(assigned) => assigned,

@@ -22,7 +22,7 @@ pub struct AppliedTapeRule {
 /// them.
 #[must_use]
 pub fn steps(machine: &Machine, line: &[u8], all: bool) -> Vec<AppliedTapeRule> {
-    let marks = RemarkDelimiters::new(&machine.format, counterpoint_dialect::of(machine).syntax());
+    let marks = RemarkDelimiters::new(&machine.format, counterpoint_controls::of(machine).syntax());
     let Some(tape) = Tape::new(&machine.tape_editor, marks) else { return Vec::new() };
     let (stop, longest) = (StopSignal::default(), JobLimits::default().block_length);
     let (mut memory, mut text, mut steps) = (SearchMemory::default(), line.to_vec(), Vec::new());

@@ -5,7 +5,7 @@
 //! stays until it is removed, as the row of the machine says; with a count it is for this many waits of whichever
 //! channels. *Invariant:* all numbers count in one family.
 
-use counterpoint_dialect::Signal;
+use counterpoint_control_api::Signal;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
 use counterpoint_sync::wait::{ChannelSet, Lasts, Send, SignalRules, Wait, WaitMark};

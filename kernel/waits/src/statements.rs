@@ -4,7 +4,7 @@
 //! *Invariant:* which arguments a statement takes follows from its row, so the pre-processor needs to know none of
 //! them. Facts: reference channel-synchronisation.md 1.4.
 
-use counterpoint_dialect::Operands;
+use counterpoint_control_api::Operands;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
 use counterpoint_sync::wait::{ChannelSet, WaitMark};

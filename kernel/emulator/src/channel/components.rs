@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_dialect::LoopStack;
+use counterpoint_control_api::LoopStack;
 use counterpoint_lang::compile::MacroProgram;
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;

@@ -7,7 +7,7 @@
 use super::Kernel;
 use super::plan::{DataSource, RECALLED};
 use crate::state::modal::{feed_of, group};
-use counterpoint_dialect::{CycleWord, MadeWord, WordHost};
+use counterpoint_control_api::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault::Halt;
 use counterpoint_machine::ident::dimension::Dimension;

@@ -5,7 +5,7 @@
 use super::cycle_moves::KnownMoves;
 use super::left_words::LeftWords;
 use super::variables::ChannelVariables;
-use counterpoint_dialect::{Dialect, Interpreter, MadeBlocks};
+use counterpoint_control_api::{Dialect, Interpreter, MadeBlocks};
 use counterpoint_machine::Machine;
 
 /// The dialect of a channel.
@@ -29,7 +29,7 @@ pub(crate) struct DialectState {
 impl DialectState {
     /// The dialect of a machine, with its interpreter if it `executes`.
     pub(crate) fn new(machine: &Machine, executes: bool) -> Self {
-        let kind = counterpoint_dialect::of(machine);
+        let kind = counterpoint_controls::of(machine);
         Self {
             kind,
             variables: ChannelVariables::new(&machine.variables),

@@ -12,7 +12,7 @@ use super::passes::LoopTracker;
 use super::search::Labels;
 use crate::state::figure::CopiedFigure;
 use crate::state::turning::ContourCycle;
-use counterpoint_dialect as dialect;
+use counterpoint_control_api as dialect;
 use counterpoint_event::event::{FileId, Position, SourcePlace, StopCode};
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::ProgramRange;

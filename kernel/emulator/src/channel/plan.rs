@@ -447,7 +447,7 @@ fn rows_of_code(machine: &Machine) -> IdTable<CodeId, Option<CodeRowId>> {
 fn lead_is_feed(machine: &Machine) -> bool {
     let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
     let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
-    counterpoint_dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
+    counterpoint_controls::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
 }
 
 impl ExecutionPlan {
@@ -470,7 +470,7 @@ impl ExecutionPlan {
     ) -> Self {
         let reads =
             |row: &CodeRow| row.enable && (matches!(row.id.kind(), CodeKind::Turning(_)) || row.id == codes::POCKET);
-        let dialect = counterpoint_dialect::of(machine);
+        let dialect = counterpoint_controls::of(machine);
         let reading = actions.reading.filter(|_| dialect.reads_contours() || machine.codes.iter().any(reads));
         let registers = ScannedRegisters::new(machine);
         let syntax = dialect.syntax();

@@ -9,7 +9,7 @@ use counterpoint_fault::Acted;
 
 use super::Kernel;
 use super::flow::{Callee, RunningProgram};
-use counterpoint_dialect::{Interpreter, Remaining, SubprogramCall};
+use counterpoint_control_api::{Interpreter, Remaining, SubprogramCall};
 use counterpoint_fault as diag;
 use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;

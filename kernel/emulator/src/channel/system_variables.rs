@@ -10,7 +10,7 @@ use super::{Kernel, unit_switch};
 use crate::state::channel::ChannelContext;
 use crate::state::frames::offsets::{BASE, EXTENDED, OffsetTable, Radii};
 use crate::state::position::MotionState;
-use counterpoint_dialect::{NotThere, is_vacant};
+use counterpoint_control_api::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;

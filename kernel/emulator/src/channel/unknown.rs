@@ -9,7 +9,7 @@ use super::Kernel;
 use super::letter_zero::letter_for_zero;
 use crate::state::channel::ChannelContext;
 use crate::state::text;
-use counterpoint_dialect::Unknown;
+use counterpoint_control_api::Unknown;
 use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_machine::ident::codes;

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use super::access::Door;
 use super::system_variables::SystemValues;
-use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
+use counterpoint_control_api::{CallStack, NotThere, VACANT, is_vacant};
 use counterpoint_machine::model::ProgramVariables;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::separate::SeparateVariableUses;

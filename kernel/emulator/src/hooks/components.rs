@@ -5,7 +5,7 @@
 //! active. Modal codes that the new component has in the same group stay active, all others are its initial codes, and
 //! no canned cycle stays active. Blocks that EXEC/NEXT has queued are those of the new component.
 
-use counterpoint_dialect::LoopStack;
+use counterpoint_control_api::LoopStack;
 use counterpoint_event::event::Kind;
 use counterpoint_event::event::OperatorMessage;
 use counterpoint_fault::Acted;

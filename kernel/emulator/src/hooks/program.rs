@@ -14,7 +14,7 @@ use crate::macros::calls::OutputTask;
 use crate::macros::parts::Restart;
 use crate::state::probing::Probing;
 use crate::state::thread::ThreadingState;
-use counterpoint_dialect::IdentificationAnswer;
+use counterpoint_control_api::IdentificationAnswer;
 use counterpoint_event::event::{FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

@@ -9,11 +9,11 @@ use counterpoint_lang::value::MacroValue;
 use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{self, SettingOutcome};
+use counterpoint_control_api::{self, SettingOutcome};
 
 /// Titles of the dialects that have a setting, none if there is no such one.
 fn owners(setting: &str) -> Option<String> {
-    let owners = counterpoint_dialect::all().filter(|dialect| dialect.settings().contains(&setting));
+    let owners = counterpoint_controls::all().filter(|dialect| dialect.settings().contains(&setting));
     let titles: Vec<&str> = owners.map(|dialect| dialect.title()).collect();
     (!titles.is_empty()).then(|| titles.join(" and "))
 }

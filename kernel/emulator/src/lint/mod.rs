@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use counterpoint_dialect::outline::{OutlineReader, OutlineStep};
+use counterpoint_control_api::outline::{OutlineReader, OutlineStep};
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

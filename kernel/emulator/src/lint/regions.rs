@@ -6,7 +6,7 @@
 use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
-use counterpoint_dialect::outline::{CallOutline, JumpDestination, OutlineStep};
+use counterpoint_control_api::outline::{CallOutline, JumpDestination, OutlineStep};
 use counterpoint_event::event::FileId;
 use counterpoint_fault::Halt;
 use counterpoint_program::shape::ProgramRange;
@@ -16,7 +16,7 @@ use super::statements::computed;
 use super::words::Meant;
 use super::{Linter, MOST, Outline};
 use crate::channel::flow::{Callee, RunningProgram};
-use counterpoint_dialect::Coordination as _;
+use counterpoint_control_api::Coordination as _;
 
 /// Most calls within each other that are looked through.
 const DEEP: usize = 32;

@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use counterpoint_dialect::outline::{
+use counterpoint_control_api::outline::{
     CallOutline, JumpDestination, NamedStatement, OutlineStep, SignalOp, Signalled, StatementArgument,
 };
-use counterpoint_dialect::{Coordination, Operands, SubprogramCall};
+use counterpoint_control_api::{Coordination, Operands, SubprogramCall};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::spot::BlockStart;

@@ -8,7 +8,7 @@ use counterpoint_machine::macros::model::Hook;
 
 use super::regions::ProgramRegion;
 use super::{Linter, Outline};
-use counterpoint_dialect::outline::OutlineStep;
+use counterpoint_control_api::outline::OutlineStep;
 
 /// Macros of these see the text of blocks and may change it.
 const BLOCK_HOOKS: [Hook; 4] =

@@ -6,7 +6,7 @@ use crate::channel::Kernel;
 use crate::channel::hook_points::BlockOrigin;
 use crate::pipeline::conditions;
 use crate::state::channel::ChannelContext;
-use counterpoint_dialect::MacroCall;
+use counterpoint_control_api::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;

@@ -13,7 +13,7 @@ use crate::channel::Kernel;
 use crate::channel::flow::{CallRecord, Callee, RunningProgram};
 use crate::state::modal::group;
 use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
-use counterpoint_dialect::SubprogramCall;
+use counterpoint_control_api::SubprogramCall;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::channel::flow::{CallRecord, Pending};
 use crate::channel::{Kernel, cycle_moves};
-use counterpoint_dialect::{CycleWord, MadeBlocks, MadeWord, WordHost};
+use counterpoint_control_api::{CycleWord, MadeBlocks, MadeWord, WordHost};
 use counterpoint_event::FileId;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault::{Acted, Halt};

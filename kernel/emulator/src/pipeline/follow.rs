@@ -8,7 +8,7 @@ use crate::channel::Kernel;
 use crate::channel::custom_macro::CallingWord;
 use crate::channel::flow::{Callee, Pending, RunningProgram};
 use crate::state::figure::CopiedFigure;
-use counterpoint_dialect as dialect;
+use counterpoint_control_api as dialect;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 2.2.
 
 use crate::channel::Kernel;
-use counterpoint_dialect::ProgramHost as _;
+use counterpoint_control_api::ProgramHost as _;
 use counterpoint_program::scan::ScanResult as Split;
 
 impl Kernel<'_> {

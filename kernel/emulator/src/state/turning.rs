@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::channel::ChannelContext;
 use super::modal::{group, plane};
 use super::thread::Screw;
-use counterpoint_dialect::NamedContour;
+use counterpoint_control_api::NamedContour;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{AxisSlot, BySlot};

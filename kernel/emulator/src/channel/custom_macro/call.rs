@@ -10,7 +10,7 @@ use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::BlockOrigin;
-use counterpoint_dialect::{MacroCall, WordHost};
+use counterpoint_control_api::{MacroCall, WordHost};
 use counterpoint_fault as diag;
 use counterpoint_program::block::irregular;
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use counterpoint_dialect::{MacroCall, NotThere};
+use counterpoint_control_api::{MacroCall, NotThere};
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::data;

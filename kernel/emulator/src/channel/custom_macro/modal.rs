@@ -9,7 +9,7 @@
 use super::code_calls::CallingWord;
 use crate::channel::Kernel;
 use crate::channel::flow::{Callee, Pending, ProgramFlow};
-use counterpoint_dialect::MacroCall;
+use counterpoint_control_api::MacroCall;
 use counterpoint_program::block::{Block, Word};
 
 /// A macro that blocks call.

@@ -10,7 +10,7 @@ use counterpoint_sync::order::idle::StartableProgram;
 use counterpoint_sync::wait::{MarkRange, WaitOp};
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{Coordination, Operands, Signal};
+use counterpoint_control_api::{Coordination, Operands, Signal};
 use counterpoint_waits::{self as waits, Meaning, WaitStatement};
 
 impl Coordination for Kernel<'_> {

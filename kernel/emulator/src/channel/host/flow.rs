@@ -4,7 +4,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use counterpoint_dialect::{FlowHost, LoopStack, NamedContour, SubprogramCall};
+use counterpoint_control_api::{FlowHost, LoopStack, NamedContour, SubprogramCall};
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::spot::BlockStart;

@@ -7,7 +7,7 @@ use crate::state::channel::ChannelContext;
 use crate::state::frames::offsets::{OffsetTable, Radii};
 use crate::state::modal::{feed_of, group};
 use crate::state::position::ChannelAxis;
-use counterpoint_dialect::{AxisPlace, FrameHost, ModalSnapshot};
+use counterpoint_control_api::{AxisPlace, FrameHost, ModalSnapshot};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{ProgramHost, ProgramPlace};
+use counterpoint_control_api::{ProgramHost, ProgramPlace};
 use counterpoint_event::event::FileId;
 use counterpoint_program::block::Block;
 use counterpoint_program::key_words::StatementVocabulary;

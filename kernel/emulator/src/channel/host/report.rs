@@ -6,7 +6,7 @@ use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use counterpoint_dialect::{ReportHost, Unknown};
+use counterpoint_control_api::{ReportHost, Unknown};
 use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::PrintFileFormat;

@@ -5,7 +5,7 @@ use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use counterpoint_dialect::{IdentificationAnswer, NotThere, ValueHost};
+use counterpoint_control_api::{IdentificationAnswer, NotThere, ValueHost};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_sync::races::AccessMode;
 

@@ -1,7 +1,7 @@
 //! Words of the machine for the interpreter.
 
 use crate::channel::Kernel;
-use counterpoint_dialect::{MadeWord, WordHost};
+use counterpoint_control_api::{MadeWord, WordHost};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};

@@ -8,7 +8,7 @@ use counterpoint_machine::index::BySlot;
 use std::collections::BTreeMap;
 
 use crate::state::channel::ChannelContext;
-use counterpoint_dialect::NO_OFFSET;
+use counterpoint_control_api::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Affine;
 

@@ -4,7 +4,7 @@ use super::offsets::{BASE, OffsetTable};
 use crate::state::channel::ChannelContext;
 use crate::state::modal::group;
 use crate::state::position::MotionState;
-use counterpoint_dialect::NO_OFFSET;
+use counterpoint_control_api::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{AxisSlot, BySlot};
