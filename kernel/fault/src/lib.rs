@@ -228,6 +228,8 @@ diagnostics! {
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     AXIS_WORD_OWNED 2900520 "axis-word-not-taken" 8 false "axis word that the code of the block does not take";
     FREE_CONTOUR 2900652 "free-contour-not-determined" 8 true "element of a free contour not determined";
+    SPINDLE_FOLLOWS 2900654 "spindle-follows" 4 false "command for a spindle that follows another one";
+    SPINDLE_COUPLING 2900655 "spindle-coupling-illegal" 12 true "spindles coupled wrongly";
     PART_DATA_UNIT 2900653 "part-data-unit" 4 false "data of the part may be in the other unit";
     REPEATS_NOT_WHOLE 2900651 "repeats-not-whole" 4 false "number of repeats is not whole";
     MODAL_CALL_OPEN 2900650 "modal-call-open" 8 true "modal call not cancelled";

@@ -373,6 +373,18 @@ pub struct Spindle {
     pub run_up: f64,
     /// The actions that the change of its speed runs in parallel with.
     pub overlap: TimeOverlap,
+    /// Number of the spindle that it follows by codes that name none.
+    pub follows: Option<u16>,
+    /// Seconds in which it takes a phase to another spindle.
+    pub phase: f64,
+}
+
+impl Spindle {
+    /// Seconds in which its speed changes by this much, rev/min.
+    #[must_use]
+    pub fn ramp(&self, change: f64) -> f64 {
+        if self.run_up > 0.0 && self.max > 0.0 { self.run_up * change.abs() / self.max } else { 0.0 }
+    }
 }
 
 impl Machine {

@@ -17,6 +17,7 @@ pub mod races;
 pub mod separate;
 pub mod shared;
 pub mod sink;
+pub mod spindle_coupling;
 pub mod stream;
 pub mod tag;
 #[cfg(test)]

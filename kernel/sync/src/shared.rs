@@ -171,6 +171,17 @@ impl SpeedChanges {
     }
 }
 
+/// How a spindle follows another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpindleCoupling {
+    /// Leading spindle, by index of the machine's list.
+    pub leader: usize,
+    /// Revolutions of the follower per revolution of the leader; negative: the other way round.
+    pub ratio: f64,
+    /// Angle between both, degrees, if they turn in phase.
+    pub phase: Option<f64>,
+}
+
 /// A spindle with its last writer.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SharedSpindle {
@@ -186,9 +197,23 @@ pub struct SharedSpindle {
     pub writer: u16,
     /// Channels that have met the writer since its write.
     pub ordered: ChannelSet,
+    /// The spindle that it follows.
+    pub coupling: Option<SpindleCoupling>,
+    /// Largest speed that the spindles coupled with it allow, rev/min.
+    pub ceiling: Option<f64>,
 }
 
 impl SharedSpindle {
+    /// Records a write by a channel. Returns the channel whose write that of no meeting orders before this one, 0 for
+    /// none.
+    pub fn written(&mut self, channel: u16) -> u16 {
+        let other = self.writer != 0 && self.writer != channel && !self.ordered.has(channel);
+        let conflict = if other { self.writer } else { 0 };
+        self.writer = channel;
+        self.ordered = ChannelSet::default().with(channel);
+        conflict
+    }
+
     /// Changes the command, at a time and by a channel. If that changes the speed, the spindle then keeps the speed `was`
     /// until its driver moves. `range`: smallest and largest speed of the spindle itself, rev/min. Returns whether that
     /// changes anything.

@@ -56,6 +56,7 @@ mod turning;
 
 use crate::act::ActionContext;
 use crate::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
+use crate::channel::paired_spindles;
 use crate::state::turning::ContourTask;
 use counterpoint_machine::ident::CodeId;
 use entry::ActionEntry;
@@ -121,7 +122,7 @@ static READING: ActionTable = ActionTable {
 };
 
 const BASE: ActionTable = ActionTable {
-    of: |id| find(id).map(|entry| entry as &dyn Action),
+    of: |id| find(id).map(|entry| entry as &dyn Action).or_else(|| paired_spindles::find(id)),
     flush_lookahead: |kernel| ActionContext::new(kernel).next_element(None),
     flush_due: |kernel, hole| ActionContext::new(kernel).flush_due(hole),
     end_compensation: |kernel, halt| ActionContext::new(kernel).end_compensation(halt),

@@ -33,6 +33,7 @@ mod letter_zero;
 pub(crate) mod life;
 mod motion;
 mod names;
+pub(crate) mod paired_spindles;
 pub(crate) mod part_data;
 pub mod parts;
 mod passes;

@@ -8,6 +8,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use super::access::Door;
+use super::paired_spindles;
 use crate::state::channel::ChannelContext;
 use crate::state::spindle::SpindleRotation;
 use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
@@ -15,7 +16,6 @@ use counterpoint_fault as diag;
 use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::SpindleCommand;
-use counterpoint_sync::wait::ChannelSet;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
@@ -27,7 +27,7 @@ impl Kernel<'_> {
             return Ok(());
         };
         self.flow.pass.effects = true;
-        if self.channel.state.spindle.shared {
+        if self.channel.state.spindle.is_seen(self.channel.env.machine) {
             self.flush_lookahead()?;
             self.channel.come_to_rest();
         }
@@ -37,15 +37,19 @@ impl Kernel<'_> {
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, was) = (self.channel.now(), (before, self.channel.state.spindle.range(self.channel.env.machine)));
-            let (command, writer) = self.access(Door::Spindle, AccessMode::Write, |shared| {
-                let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (SpindleCommand::default(), 0) };
-                let changed = spindle.change(change, was, (now, channel));
-                let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
-                let writer = if changed && other { spindle.writer } else { 0 };
-                spindle.writer = channel;
-                spindle.ordered = ChannelSet::default().with(channel);
-                (spindle.command, writer)
+            let done = self.access(Door::Spindle, AccessMode::Write, |shared| {
+                let spindle = shared.spindles.get_mut(id.index())?;
+                if let Some(coupling) = spindle.coupling {
+                    return Some(Err(coupling.leader));
+                }
+                let changed = spindle.change(&change, was, (now, channel));
+                let writer = spindle.written(channel);
+                Some(Ok((spindle.command, if changed { writer } else { 0 })))
             })?;
+            let (command, writer) = match done.unwrap_or(Ok((SpindleCommand::default(), 0))) {
+                Ok(done) => done,
+                Err(leader) => return paired_spindles::not_commanded(self, id, leader, change),
+            };
             self.channel.state.spindle.command = command;
             conflict = writer;
         } else {
@@ -75,10 +79,10 @@ impl Kernel<'_> {
         let was = (self.turning_speed()?, self.channel.state.spindle.range(self.channel.env.machine));
         let at = (self.channel.now(), self.channel.at.channel);
         let command = self.access(Door::Spindle, AccessMode::Write, |shared| {
-            shared.spindles.get_mut(id.index()).map(|spindle| {
+            if let Some(spindle) = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.coupling.is_none()) {
                 spindle.change(change, was, at);
-                spindle.command
-            })
+            }
+            shared.spindle(id.index()).map(|spindle| spindle.command)
         })?;
         self.channel.state.spindle.command = command.unwrap_or_default();
         self.follow_radius()
@@ -87,7 +91,8 @@ impl Kernel<'_> {
     /// Logs the state and takes the run-up time.
     fn announce(&mut self, id: SpindleId, before: f64) -> Acted {
         let spindle = &self.channel.env.machine.spindles[id];
-        let (number, max, run_up, overlap) = (spindle.number, spindle.max, spindle.run_up, spindle.overlap);
+        let (number, overlap) = (spindle.number, spindle.overlap);
+        let [_, max] = self.channel.state.spindle.range(self.channel.env.machine);
         let now = self.channel.state.spindle.command;
         let speed = if now.css { now.surface } else { now.rpm };
         let over_speed = (!now.css && now.rpm > max).then_some((id, now.rpm));
@@ -102,10 +107,10 @@ impl Kernel<'_> {
             self.diagnose(&diag::SPINDLE_LIMIT, text);
         }
         let after = self.turning_speed()?;
-        let mut seconds = 0.0;
-        if run_up > 0.0 && max > 0.0 {
-            seconds = run_up * (after - before).abs() / max;
-        }
+        let followers = paired_spindles::followers(self, id)?;
+        let ramps =
+            followers.iter().map(|(id, of)| self.channel.env.machine.spindles[*id].ramp((after - before) * of.ratio));
+        let mut seconds = ramps.fold(spindle.ramp(after - before), f64::max);
         if after != before {
             seconds += self.channel.env.machine.time.spindle_speed;
         }
@@ -114,10 +119,11 @@ impl Kernel<'_> {
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
         if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {
             self.channel.emit(0, Kind::Spindle(event));
-            return Ok(());
+        } else {
+            self.channel.emit(ns, Kind::Spindle(event));
+            self.channel.advance(ns);
         }
-        self.channel.emit(ns, Kind::Spindle(event));
-        self.channel.advance(ns);
+        paired_spindles::log_followers(self, &followers);
         Ok(())
     }
 
@@ -129,14 +135,16 @@ impl Kernel<'_> {
             let ended = self.channel.state.spindle.ended_assumption(self.channel.now());
             let channel = self.channel.at.channel;
             let known = self.access(Door::Spindle, AccessMode::Read, |shared| {
-                let spindle = shared.spindles.get(id.index())?;
-                let change = ended.and_then(|(known, end)| spindle.changes.of_others(channel, known, end));
+                let spindle = shared.spindle(id.index())?;
+                let change = ended.and_then(|(known, [begin, end])| {
+                    spindle.changes.of_others(channel, known, end).filter(|(t, _)| *t >= begin)
+                });
                 let changes = (spindle.changes.count, spindle.changes.newest());
-                Some((spindle.command, spindle.now, spindle.course, changes, change))
+                Some((spindle.command, (spindle.now, spindle.ceiling), spindle.course, changes, change))
             })?;
-            let (command, now, course, (changes, changed), change) = known.unwrap_or_default();
+            let (command, (now, ceiling), course, (changes, changed), change) = known.unwrap_or_default();
             let state = &mut self.channel.state.spindle;
-            (state.command, state.now, state.course) = (command, now, course);
+            (state.command, state.now, state.course, state.ceiling) = (command, now, course, ceiling);
             (state.changes, state.changed) = (changes, changed);
             if ended.is_some() {
                 self.end_assumption(change);

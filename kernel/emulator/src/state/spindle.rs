@@ -9,8 +9,8 @@ use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::SurfaceSpeed;
 
 use counterpoint_event::info::MachineUnit;
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{IdTable, SpindleId};
 use counterpoint_machine::model::{Channel as MachineChannel, Machine};
 use counterpoint_sync::shared::{DrivingMove, SpindleCommand};
@@ -20,7 +20,7 @@ use counterpoint_sync::shared::{DrivingMove, SpindleCommand};
 pub(crate) struct SpindleState {
     /// The active spindle, `None` = channel without spindle.
     pub(crate) id: Option<SpindleId>,
-    /// Other channels command it too.
+    /// Other channels command it too, or it can be coupled with another spindle.
     pub(crate) shared: bool,
     /// Last known command.
     pub(crate) command: SpindleCommand,
@@ -34,6 +34,8 @@ pub(crate) struct SpindleState {
     pub(crate) changed: Option<(i64, u16)>,
     /// The last time that was computed with the speed known then.
     pub(crate) assumed: Option<AssumedSpeed>,
+    /// Largest speed that the spindles coupled with it allow, rev/min.
+    pub(crate) ceiling: Option<f64>,
 }
 
 /// A move or a dwell by revolutions of a spindle that other channels also drive.
@@ -72,11 +74,17 @@ impl SpindleRotation {
 impl SpindleState {
     /// Smallest and largest speed of the spindle itself, rev/min.
     pub(crate) fn range(&self, machine: &Machine) -> [f64; 2] {
+        let ceiling = self.ceiling.unwrap_or(f64::INFINITY);
         match self.id.map(|id| &machine.spindles[id]) {
-            Some(spindle) if spindle.max > 0.0 => [spindle.min, spindle.max],
-            Some(spindle) => [spindle.min, f64::INFINITY],
+            Some(spindle) if spindle.max > 0.0 => [spindle.min, spindle.max.min(ceiling)],
+            Some(spindle) => [spindle.min, ceiling],
             None => [0.0, f64::INFINITY],
         }
+    }
+
+    /// Whether another channel can see a command of it.
+    pub(crate) fn is_seen(&self, machine: &Machine) -> bool {
+        self.shared && machine.channels.len() > 1
     }
 
     /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
@@ -108,11 +116,11 @@ impl SpindleState {
         self.assumed = Some(AssumedSpeed { line, time, changes: self.changes });
     }
 
-    /// The number of speed changes known when the last time was computed with a speed, and the end of that time, once
-    /// it is over at `now`, ns.
-    pub(crate) fn ended_assumption(&self, now: i64) -> Option<(u64, i64)> {
+    /// The number of speed changes known when the last time was computed with a speed, and the begin and the end of
+    /// that time, once it is over at `now`, ns.
+    pub(crate) fn ended_assumption(&self, now: i64) -> Option<(u64, [i64; 2])> {
         let assumed = self.assumed.filter(|assumed| assumed.time[0] < now)?;
-        Some((assumed.changes, assumed.time[1].min(now)))
+        Some((assumed.changes, [assumed.time[0], assumed.time[1].min(now)]))
     }
 }
 
@@ -156,11 +164,13 @@ fn has_codes(machine: &Machine, number: u16) -> bool {
     })
 }
 
-/// More than one channel can command the spindle.
+/// More than one channel can command the spindle, or spindles of the machine can turn together.
 pub(crate) fn is_shared(machine: &Machine, id: SpindleId) -> bool {
     let uses = |channel: &&MachineChannel| [channel.spindle, channel.rear, channel.milling].contains(&Some(id));
     let users = machine.channels.iter().filter(uses).count();
-    users > 1 || machine.channels.len() > 1 && has_codes(machine, machine.spindles[id].number)
+    let named = machine.data.iter().any(|row| row.id == data::COUPLE_SPINDLE_FOLLOWER && row.enable);
+    let pairs = named || machine.spindles.entries().any(|(_, spindle)| spindle.follows.is_some());
+    users > 1 || pairs || machine.channels.len() > 1 && has_codes(machine, machine.spindles[id].number)
 }
 
 /// `spindle 1 (MAIN) is stopped`, with the other channel if that stopped it.

@@ -355,4 +355,8 @@ data! {
     TURN_PASS_DEPTH true true Plain, Length => "how far a pass of a thread is off its named contour on the side of the start, along X as X is programmed (Okuma G88)";
     TURN_PASS_SHIFT true true Plain, Length => "how far it is shifted along the contour, in the measure of the depth (Okuma G88)";
     CONTOUR_DISTORTION true true Plain, None => "percent of the way from the circle around a corner to the intersection of the paths (Siemens DISC)";
+    COUPLE_SPINDLE_LEADER true true Plain, None => "number of the spindle that another one follows (Siemens COUPON)";
+    COUPLE_SPINDLE_FOLLOWER true true Plain, None => "number of the spindle that follows (Siemens COUPON)";
+    COUPLE_SPINDLE_RATIO true true Plain, None => "its revolutions per revolution of the other one (Siemens COUPDEF)";
+    COUPLE_SPINDLE_ANGLE true true Plain, Angle => "phase of a spindle to the spindle that it follows (Haas G199 R)";
 }

@@ -123,6 +123,10 @@ macro_rules! with_own {
             WORK_AREA_HIGH 0 100 true true Plain => ": upper limits of the working area (Siemens G26)";
             WORK_AREA_ON 152 100 true true Plain => ": a move that ends outside the working area is an alarm (Siemens WALIMON)";
             WORK_AREA_OFF 152 100 true true Plain => ": ends the check of the working area (Siemens WALIMOF)";
+            COUPLE_SPINDLES 0 299 true true Plain => ": a spindle turns with another spindle at the same speed (Nakamura M96)";
+            COUPLE_SPINDLES_PHASE 0 299 true true Plain => ": the same, in phase (Nakamura M92)";
+            COUPLE_SPINDLES_PHASE_OFF 0 699 true true Plain => ": ends the phase, the speed remains the same (Hanwha M55)";
+            COUPLE_SPINDLES_OFF 0 699 true true Plain => ": ends that; the spindle keeps its speed (Nakamura M97)";
         }
     };
 }

@@ -1,6 +1,7 @@
 //! `[[spindles]]`.
 //!
-//! Invariant: numbers and names are unique, and the smallest speed is below the largest.
+//! Invariant: numbers and names are unique, and the smallest speed is below the largest. A spindle that others follow
+//! follows none.
 
 use crate::index::{IdTable, SpindleId};
 use crate::model::Spindle;
@@ -26,6 +27,20 @@ pub(super) fn read(top: &mut TableReader<'_>, check: &FindingCollector) -> IdTab
         }
         row.finish();
     }
+    for spindle in &spindles {
+        let Some(leader) = spindle.follows else { continue };
+        let name = spindle.number;
+        match spindles.iter().find(|other| other.number == leader) {
+            None => {
+                check.error(top.place_of("spindles"), format!("spindle {name} follows {leader}, which does not exist"))
+            }
+            Some(other) if other.follows.is_some() => {
+                let text = format!("spindle {name} follows {leader}, which itself follows a spindle");
+                check.error(top.place_of("spindles"), text);
+            }
+            Some(_) => {}
+        }
+    }
     spindles.into_iter().collect()
 }
 
@@ -43,7 +58,9 @@ fn read_row(row: &mut TableReader<'_>) -> Option<Spindle> {
     }
     let run_up = row.at_least_zero("run_up").unwrap_or(0.0);
     let overlap = row.choice("overlap", &TimeOverlap::WORDS).unwrap_or_default();
+    let follows = row.integer("follows", 1..=99).map(|number| number as u16);
+    let phase = row.at_least_zero("phase").unwrap_or(0.0);
     let number = number?;
     let name = name.unwrap_or_else(|| format!("S{number}"));
-    Some(Spindle { number, name, max: max.unwrap_or(1.0), min, run_up, overlap })
+    Some(Spindle { number, name, max: max.unwrap_or(1.0), min, run_up, overlap, follows, phase })
 }

@@ -255,6 +255,8 @@ fn spindles(machine: &Machine) -> Vec<Value> {
             "max": spindle.max,
             "min": spindle.min,
             "run_up": spindle.run_up,
+            "follows": spindle.follows,
+            "phase": spindle.phase,
             "overlap": word(spindle.overlap),
         })
     };

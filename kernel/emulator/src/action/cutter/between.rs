@@ -26,7 +26,7 @@ pub(in crate::action) fn before(act: &mut ActionContext<'_, '_>, contour: Compen
     let (blocks, in_machine) = (act.channel().at.blocks, act.channel().block.flags.machine_frame);
     let (most, of_machine) =
         (act.channel().env.machine.corners.between, act.channel().env.machine.compensation.between.looked_through);
-    let shared = act.channel().state.spindle.shared;
+    let shared = act.channel().state.spindle.is_seen(act.channel().env.machine);
     let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
     if cutter.seen != blocks && !leads_on(code) {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));

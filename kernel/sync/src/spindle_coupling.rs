@@ -1,0 +1,128 @@
+//! Spindles that turn together: one follows another in speed, and in phase if a program asks for it.
+//!
+//! *Invariant:* a spindle that others follow follows none itself; while a spindle follows, its own command has no
+//! effect.
+
+use std::borrow::Cow;
+
+use crate::shared::{DrivingMove, SharedSpindle, SharedState, SpindleCommand, SpindleCoupling};
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_motion::driven_speed::DrivenSpeed;
+use counterpoint_motion::surface_speed::SurfaceSpeed;
+
+impl SpindleCoupling {
+    /// The command of the follower while the leader has this one.
+    #[must_use]
+    pub fn command(&self, leader: &SpindleCommand) -> SpindleCommand {
+        let times = self.ratio.abs();
+        let direction = match leader.direction {
+            SpindleDirection::Clockwise if self.ratio < 0.0 => SpindleDirection::CounterClockwise,
+            SpindleDirection::CounterClockwise if self.ratio < 0.0 => SpindleDirection::Clockwise,
+            direction => direction,
+        };
+        SpindleCommand {
+            direction,
+            rpm: leader.rpm * times,
+            surface: leader.surface * times,
+            limit: leader.limit * times,
+            least: leader.least * times,
+            ..*leader
+        }
+    }
+
+    fn follower(&self, leader: &SharedSpindle, own: &SharedSpindle) -> SharedSpindle {
+        let times = self.ratio.abs();
+        let scaled = |SurfaceSpeed { surface, max, min }: SurfaceSpeed| SurfaceSpeed {
+            surface: surface * times,
+            max: max * times,
+            min: min * times,
+        };
+        let course = leader.course.map(|course| DrivingMove {
+            driven: DrivenSpeed { speed: scaled(course.driven.speed), ..course.driven },
+            ..course
+        });
+        let (command, now) = (self.command(&leader.command), leader.now * times);
+        SharedSpindle { command, now, course, coupling: own.coupling, ceiling: own.ceiling, ..*leader }
+    }
+}
+
+/// Why spindles cannot be coupled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CouplingRefusal {
+    /// The follower follows another spindle, by index.
+    FollowsOther(usize),
+    /// The leader follows a spindle itself.
+    LeaderFollows(usize),
+    /// A spindle follows the follower.
+    FollowerLeads(usize),
+}
+
+impl SharedState {
+    /// The state in which a spindle is: its own, or by that of the spindle that it follows.
+    #[must_use]
+    pub fn spindle(&self, index: usize) -> Option<Cow<'_, SharedSpindle>> {
+        let own = self.spindles.get(index)?;
+        let Some(coupling) = own.coupling else { return Some(Cow::Borrowed(own)) };
+        self.spindles.get(coupling.leader).map(|leader| Cow::Owned(coupling.follower(leader, own)))
+    }
+
+    /// Spindles that follow this one.
+    pub fn followers(&self, leader: usize) -> impl Iterator<Item = (usize, SpindleCoupling)> + '_ {
+        let follows = move |spindle: &SharedSpindle| spindle.coupling.filter(|coupling| coupling.leader == leader);
+        self.spindles.iter().enumerate().filter_map(move |(at, spindle)| follows(spindle).map(|of| (at, of)))
+    }
+
+    /// Lets a spindle follow another one. Without a phase, it keeps the phase that it has. `most`: largest speeds of
+    /// all spindles, rev/min. Returns how it followed before.
+    ///
+    /// # Errors
+    /// One of both is coupled with a third spindle.
+    pub fn couple(
+        &mut self,
+        follower: usize,
+        coupling: SpindleCoupling,
+        most: &[f64],
+    ) -> Result<Option<SpindleCoupling>, CouplingRefusal> {
+        let of = |index: usize| self.spindles.get(index).and_then(|spindle| spindle.coupling);
+        let before = of(follower);
+        if let Some(other) = before.filter(|before| before.leader != coupling.leader) {
+            return Err(CouplingRefusal::FollowsOther(other.leader));
+        }
+        if let Some(other) = of(coupling.leader) {
+            return Err(CouplingRefusal::LeaderFollows(other.leader));
+        }
+        if let Some((other, _)) = self.followers(follower).next() {
+            return Err(CouplingRefusal::FollowerLeads(other));
+        }
+        let phase = coupling.phase.or_else(|| before.and_then(|before| before.phase));
+        if let Some(spindle) = self.spindles.get_mut(follower) {
+            spindle.coupling = Some(SpindleCoupling { phase, ..coupling });
+        }
+        self.limit_together(coupling.leader, most);
+        Ok(before)
+    }
+
+    /// Ends a coupling: the spindle keeps this speed. Returns the coupling.
+    pub fn uncouple(&mut self, follower: usize, rpm: f64, most: &[f64]) -> Option<SpindleCoupling> {
+        let command = self.spindle(follower)?.command;
+        let spindle = self.spindles.get_mut(follower)?;
+        let coupling = spindle.coupling.take()?;
+        (spindle.command.direction, spindle.command.angle) = (command.direction, command.angle);
+        (spindle.command.css, spindle.command.rpm) = (false, if rpm > 0.0 { rpm } else { command.rpm });
+        (spindle.course, spindle.now, spindle.ceiling) = (None, rpm, None);
+        self.limit_together(coupling.leader, most);
+        Some(coupling)
+    }
+
+    /// Limits coupled spindles to the speed that the slowest of them reaches.
+    fn limit_together(&mut self, leader: usize, most: &[f64]) {
+        let of = |index: usize| most.get(index).copied().unwrap_or(f64::INFINITY);
+        let followers: Vec<(usize, f64)> = self.followers(leader).map(|(at, coupling)| (at, coupling.ratio)).collect();
+        let slowest = followers.iter().map(|(at, ratio)| of(*at) / ratio.abs()).fold(of(leader), f64::min);
+        for (at, ratio) in [(leader, 1.0)].into_iter().chain(followers.iter().copied()) {
+            if let Some(spindle) = self.spindles.get_mut(at) {
+                spindle.ceiling = (!followers.is_empty()).then_some(slowest * ratio.abs());
+            }
+        }
+    }
+}
