@@ -4,18 +4,18 @@
 //! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and
 //! jumps, and ends at a call; after an approach it also follows calls of labels and of programs with the same unit. Invariant: a look ahead leaves the parameters as they were.
 
-use super::approach::goes_in_plane;
-use super::eval::Evaluator;
-use super::formula::QParameter;
-use super::iso_blocks::IsoModes;
-use super::path::{PathBlock, PathBlockKind};
-use super::statement::HeidenhainStatement;
-use super::variables::ParameterValue;
-use super::words::{EvaluatedWord, HeidenhainWord, Operand};
-use super::{Heidenhain, HeidenhainLine};
 use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
+
+use super::approach::goes_in_plane;
+use super::eval::Evaluator;
+use super::iso_blocks::IsoModes;
+use super::path_state::{PathBlock, PathBlockKind};
+use super::q_parameter::{ParameterValue, QParameter};
+use super::statement::HeidenhainStatement;
+use super::words::{EvaluatedWord, HeidenhainWord, Operand};
+use super::{Heidenhain, HeidenhainLine};
 
 /// Blocks between a line and the corner or the path block after it.
 const NEAR: u32 = 50;

@@ -5,13 +5,13 @@
 //! the last line of a departure, after an arc on the next straight line. Invariant: a path that cannot be made is a
 //! straight line to its end, and is reported.
 
-use super::free::{of_step, sense_of};
-use super::path::{PathBlock, PathBlockKind, PathBuilder, Position, axis};
-use super::words::{EvaluatedWord, LeftBlock};
-
+use counterpoint_control_api::contour;
 use counterpoint_control_api::contour::{
-    self, ApproachPath, Departure, PathDimensions, PathShape, Point, PolarPoint, direction, minus,
+    ApproachPath, Departure, PathDimensions, PathShape, Point, PolarPoint, direction, minus,
 };
+
+use super::path_state::{PathBlock, PathBlockKind, PathBuilder, Position, axis, of_step, sense_of};
+use super::words::{EvaluatedWord, LeftBlock};
 
 impl PathBuilder<'_> {
     fn word(&self, name: &str) -> Option<f64> {

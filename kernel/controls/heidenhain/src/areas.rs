@@ -12,75 +12,7 @@ use counterpoint_motion::contour::combine::{combined, touch};
 use counterpoint_motion::contour::shifted::shifted;
 
 use super::Heidenhain;
-use super::contours::{AreaBoundary, Contours};
-
-/// How two areas make one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Join {
-    Common,
-    Union,
-    Either,
-    Without,
-}
-
-/// Composition of an area; contours by their places.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum AreaExpression {
-    Contour(usize),
-    Outside(Box<AreaExpression>),
-    Of(Join, Box<AreaExpression>, Box<AreaExpression>),
-}
-
-impl AreaExpression {
-    /// Whether a spot lies in it that is held by these contours.
-    fn holds(&self, held: &[bool]) -> bool {
-        match self {
-            Self::Contour(at) => held.get(*at).copied().unwrap_or(false),
-            Self::Outside(area) => !area.holds(held),
-            Self::Of(join, one, other) => {
-                let (one, other) = (one.holds(held), other.holds(held));
-                match join {
-                    Join::Common => one && other,
-                    Join::Union => one || other,
-                    Join::Either => one != other,
-                    Join::Without => one && !other,
-                }
-            }
-        }
-    }
-
-    /// Contours whose points may be outside of it.
-    pub(super) fn taken_away(&self) -> Vec<usize> {
-        match self {
-            Self::Contour(_) => Vec::new(),
-            Self::Outside(area) => area.contours(),
-            Self::Of(Join::Either, one, other) => [one.contours(), other.contours()].concat(),
-            Self::Of(Join::Without, one, other) => [one.taken_away(), other.contours()].concat(),
-            Self::Of(Join::Common | Join::Union, one, other) => [one.taken_away(), other.taken_away()].concat(),
-        }
-    }
-
-    fn contours(&self) -> Vec<usize> {
-        match self {
-            Self::Contour(at) => vec![*at],
-            Self::Outside(area) => area.contours(),
-            Self::Of(_, one, other) => [one.contours(), other.contours()].concat(),
-        }
-    }
-
-    /// Contours and joins of it.
-    pub(super) fn size(&self) -> usize {
-        match self {
-            Self::Contour(_) => 1,
-            Self::Outside(area) => 1 + area.size(),
-            Self::Of(_, one, other) => 1 + one.size() + other.size(),
-        }
-    }
-
-    fn joined(self, join: Join, other: Self) -> Self {
-        Self::Of(join, Box::new(self), Box::new(other))
-    }
-}
+use super::sl_contours::{AreaBoundary, AreaExpression, AreaStage, Contours, Join};
 
 /// The union of areas.
 fn union(areas: impl Iterator<Item = AreaExpression>) -> Option<AreaExpression> {
@@ -145,13 +77,6 @@ fn is_plain(figures: &[AreaBoundary]) -> bool {
         let around = others().filter(|other| other.outline.holds(start)).count();
         (around % 2 == 0) == figure.is_pocket && others().all(|other| !touch(&other.outline, &figure.outline))
     })
-}
-
-/// An area down to a level, above which it is that of the stage before; the level as a depth below the surface, none
-/// for that of the cycle.
-pub(super) struct AreaStage {
-    pub(super) depth: Option<f64>,
-    pub(super) figures: Vec<AreaBoundary>,
 }
 
 impl Contours {

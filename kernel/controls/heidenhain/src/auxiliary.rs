@@ -3,9 +3,10 @@
 //! Facts: programming manuals of the control. *Invariant:* a point is one of the plane only with both coordinates, and
 //! never the end of an element.
 
-use super::path::{AXES, PathBlock};
-use super::words::{HeidenhainWord, Operand};
 use counterpoint_control_api::contour::{Point, left, minus, turn};
+
+use super::path_state::{AXES, PathBlock};
+use super::words::{HeidenhainWord, Operand};
 
 /// Points that a block may name.
 const POINTS: [&str; 3] = ["P1", "P2", "P3"];

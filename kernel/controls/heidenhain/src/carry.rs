@@ -2,18 +2,20 @@
 //!
 //! Facts: see [`super::statement`]. Invariant: a block is either executed, left as words, or diagnosed.
 
-use super::eval::Evaluator;
-use super::foreign_axes::refuse_axes;
-use super::formula::Formula;
-use super::path::{PathBlock, PathBlockKind, axis, walk};
-use super::statement::{BranchCondition, HeidenhainStatement, Test};
-use super::variables::ParameterValue;
-use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Rest, headed, joined};
-use super::{Heidenhain, HeidenhainLine};
 use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_machine::stored::StoredFile;
+
+use super::eval::Evaluator;
+use super::foreign_axes::refuse_axes;
+use super::formula::Formula;
+use super::path::walk;
+use super::path_state::{PathBlock, PathBlockKind, axis};
+use super::q_parameter::ParameterValue;
+use super::statement::{BranchCondition, HeidenhainStatement, Test};
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Rest, headed, joined};
+use super::{Heidenhain, HeidenhainLine};
 
 /// The code of a unit.
 fn unit(inch: bool) -> &'static str {

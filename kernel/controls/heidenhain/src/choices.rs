@@ -9,11 +9,10 @@
 //! direction of that line. Each use of FSELECT that decides something is reported. *Invariant:* without FSELECT only a
 //! unique solution is accepted.
 
+use counterpoint_control_api::contour::{Point, along, angle_between, direction, left, length, minus, touch, turn};
 use counterpoint_fault as diag;
 
-use super::free::{FreeContour, of_step};
-use super::path::{PathBlock, PathBlockKind, PathBuilder};
-use counterpoint_control_api::contour::{Point, along, angle_between, direction, left, length, minus, touch, turn};
+use super::path_state::{FreeContour, PathBlock, PathBlockKind, PathBuilder, of_step};
 
 /// Lines of FSELECT that are remembered.
 const DECIDED: usize = 20;
@@ -146,7 +145,7 @@ impl PathBuilder<'_> {
         // Centres lie to the left of a line that continues counter-clockwise.
         let signed = |radius: f64, clockwise: bool| if clockwise { -radius } else { radius };
         let own = signed(radius, clockwise);
-        let next = signed(of_step(behind, "R")?.abs(), super::free::sense_of(behind)?);
+        let next = signed(of_step(behind, "R")?.abs(), super::path_state::sense_of(behind)?);
         let by = minus(self.center_of(behind)?, center);
         let (way, apart) = (direction(by)?, (next - own) / length(by));
         let rest = (1.0 - apart * apart).max(0.0).sqrt();
@@ -159,12 +158,12 @@ impl PathBuilder<'_> {
         let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
         let is_arc = arc.shape == PathBlockKind::FreeArc { tangent: true };
         let is_open = is_arc && self.center_of(arc).is_none() && self.end_behind(arc).is_none();
-        Some((of_step(arc, "R")?.abs(), super::free::sense_of(arc)?, behind)).filter(|_| is_open)
+        Some((of_step(arc, "R")?.abs(), super::path_state::sense_of(arc)?, behind)).filter(|_| is_open)
     }
 
     /// The circle of a tangential arc: its centre, radius and sense.
     fn circle_of(&self, step: &PathBlock) -> Option<(Point, f64, bool)> {
-        let circle = (self.center_of(step)?, of_step(step, "R")?.abs(), super::free::sense_of(step)?);
+        let circle = (self.center_of(step)?, of_step(step, "R")?.abs(), super::path_state::sense_of(step)?);
         (step.shape == PathBlockKind::FreeArc { tangent: true }).then_some(circle)
     }
 
@@ -236,10 +235,4 @@ fn on_line((from, way): Line, point: Point, distance: f64) -> Option<Vec<f64>> {
     }
     let rest = rest.max(0.0).sqrt();
     Some(if rest < 1e-6 { vec![foot] } else { vec![foot - rest, foot + rest] })
-}
-
-/// Angle of a tangential line after an arc.
-pub(super) fn exit_angle(step: &PathBlock) -> Option<f64> {
-    let own = step.seen.iter().find(|word| word.is("AN")).and_then(|word| word.value);
-    own.filter(|_| step.shape == PathBlockKind::FreeLine { tangent: true })
 }

@@ -3,9 +3,11 @@
 //! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
 //! circle comes either from `CC` before it or by words of its own block, never by both.
 
-use super::path::{AXES, PathBlockKind, PathBuilder, Position, axis};
+use counterpoint_control_api::contour;
+use counterpoint_control_api::contour::{Point, Tangent, center_by_radius, minus};
+
+use super::path_state::{AXES, PathBlockKind, PathBuilder, Position, axis};
 use super::words::{EvaluatedWord, LeftBlock, headed};
-use counterpoint_control_api::contour::{self, Point, Tangent, center_by_radius, minus};
 
 impl PathBuilder<'_> {
     /// Direction of a circle: before its words in ISO programs, after them in others.

@@ -8,17 +8,16 @@
 //! another tool (Q18) it clears the places that it touches in the material left by that tool. *Invariant:* no path
 //! comes nearer to a contour than the radius of the tool with its allowance.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{ClosedContour, Cut, cuts, is_clear, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::reach::{eroded, grown, remaining};
 
 use super::Heidenhain;
-use super::areas::AreaStage;
-use super::contours::AreaBoundary;
 use super::moves::{Along, Moves, RAPID};
+use super::sl_contours::{AreaBoundary, AreaStage};
 use super::tasks::{ContourParameters, Rounding};
-use counterpoint_control_api::host::InterpreterHost;
 
 /// Blocks in the making.
 pub(super) struct CycleBlockWriter {

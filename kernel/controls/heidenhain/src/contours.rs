@@ -7,102 +7,23 @@
 //! from islands; words of the tool axis do not count). Decision: a contour without compensation is a pocket.
 //! *Invariant:* only programs stored with the machine have these statements.
 
-use counterpoint_event::FileId;
+use counterpoint_control_api::host::{InterpreterHost, ProgramPlace, SubprogramCall};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_motion::contour::closed::ClosedContour;
-use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::ProgramRange;
 
 use super::Heidenhain;
-use super::areas::AreaExpression;
-use super::cylinder::Unrolled;
 use super::flow::CalleeKind;
 use super::moves::Moves;
-use super::path::PathState;
+use super::sl_contours::{AreaBoundary, ContourSource, ContourSubprogram, Contours, SlContour};
 use super::statement::Label;
 use super::tasks::{ContourParameters, ContourTools, OcmOperation};
 use super::words::EvaluatedWord;
-use counterpoint_control_api::host::{InterpreterHost, ProgramPlace, SubprogramCall};
 
 /// Most elements of all contours.
 const MOST: usize = 1000;
-
-/// A contour that has been read.
-#[derive(Debug, Clone)]
-pub(super) struct SlContour {
-    pub(super) elements: Vec<Element>,
-    /// The tool goes left of it.
-    pub(super) is_left: Option<bool>,
-}
-
-/// A pocket or an island.
-#[derive(Debug, Clone)]
-pub(super) struct AreaBoundary {
-    pub(super) outline: ClosedContour,
-    pub(super) is_pocket: bool,
-}
-
-/// Place of a contour.
-#[derive(Debug, Clone)]
-pub(super) enum ContourSource {
-    Label(FileId, Label),
-    Program(String),
-}
-
-/// A subprogram that is a contour.
-#[derive(Debug, Clone)]
-pub(super) struct ContourSubprogram {
-    pub(super) source: ContourSource,
-    /// Pocket or island by CONTOUR DEF; in cycle 14 the side of the contour decides.
-    pub(super) is_pocket: Option<bool>,
-    /// DEPTH: that of a pocket, or how far an island lies below the surface.
-    pub(super) depth: Option<f64>,
-}
-
-/// The contours of cycle 14 or CONTOUR DEF.
-#[derive(Debug, Default)]
-pub(super) struct Contours {
-    labels: Vec<ContourSubprogram>,
-    /// Combination of the contours by SEL CONTOUR.
-    pub(super) formula: Option<AreaExpression>,
-    /// Overlapping pockets become their intersection if the first starts in the second.
-    pub(super) by_start: bool,
-    /// Cycle 270 says how a train begins and ends.
-    pub(super) train: bool,
-    /// They lie on a cylinder.
-    pub(super) unrolled: Option<Unrolled>,
-    read: Vec<SlContour>,
-    /// While a contour is recorded: the path before it.
-    before: Option<Box<PathState>>,
-}
-
-impl Contours {
-    /// Those that a formula joins.
-    pub(super) fn joined(labels: Vec<ContourSubprogram>, formula: AreaExpression) -> Self {
-        Self { labels, formula: Some(formula), ..Self::default() }
-    }
-
-    /// Bytes that they take, about.
-    pub(super) fn bytes(&self) -> usize {
-        self.read.iter().map(|contour| contour.elements.len() * size_of::<Element>()).sum::<usize>()
-            + self.labels.len() * 60
-            + self.formula.as_ref().map_or(0, AreaExpression::size) * 60
-    }
-
-    /// Words of a contour that is being read, as it is unrolled from a cylinder.
-    pub(super) fn unroll(&mut self, seen: &mut [EvaluatedWord]) {
-        if let Some(unrolled) = self.unrolled.as_mut().filter(|_| self.before.is_some()) {
-            unrolled.words(seen);
-        }
-    }
-
-    /// DEPTH of a contour.
-    pub(super) fn depth(&self, at: usize) -> Option<f64> {
-        self.labels.get(at)?.depth
-    }
-}
 
 impl Heidenhain {
     /// Cycle 14: `CONTOUR LABEL 1 /2 /3`.

@@ -4,11 +4,12 @@
 //! whose blocks say where they end, before G2 and G3 of ISO programs only between lines. Invariant: a corner that cannot
 //! be made is left sharp and reported.
 
-use super::path::{PathBlockKind, PathBuilder, PendingCorner, Position};
-use super::words::{EvaluatedWord, LeftBlock};
+use counterpoint_control_api::contour;
+use counterpoint_control_api::contour::{Point, PolarPoint};
 use counterpoint_motion::contour::element::Element;
 
-use counterpoint_control_api::contour::{self, Point, PolarPoint};
+use super::path_state::{PathBlockKind, PathBuilder, PendingCorner, Position};
+use super::words::{EvaluatedWord, LeftBlock};
 
 impl PathBuilder<'_> {
     /// Whether the next block is a corner.

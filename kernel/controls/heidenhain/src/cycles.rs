@@ -5,70 +5,22 @@
 //! define the action of a cycle. They get `CYCL DEF` with its number and, for cycles of several lines, the words of all
 //! lines. Invariant: titles are texts for people and never reach the tables.
 
-use counterpoint_fault::Halt;
-use std::borrow::Cow;
-use std::sync::Arc;
-
-use super::contours::Contours;
-use super::drilling::HoleWords;
-use super::eval::Evaluator;
-use super::foreign_axes::refuse_axes_of_cycle;
-use super::formula::{FormulaError, ParameterKind, QParameter, expected};
-use super::lex::HeidenhainCursor;
-use super::moves::RAPID;
-use super::old;
-use super::patterns::PointPattern;
-use super::statement::HeidenhainStatement;
-use super::variables::ParameterValue;
-use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand, words};
-use super::{Heidenhain, HeidenhainLine};
 use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_control_api::words::part;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::shape::ProgramRange;
+use counterpoint_fault::Halt;
 
-/// Behind `CYCL DEF`.
-pub(super) fn read(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement, FormulaError> {
-    let Some((number, _)) = cursor.number() else { return Err(expected(cursor, "the number of the cycle")) };
-    // Some programs have a blank before the number of the part: `CYCL DEF 9 .0`.
-    let before = cursor.clone();
-    let number = match cursor.number() {
-        Some((part, _)) if part.starts_with('.') && !number.contains('.') => Cow::Owned(format!("{number}{part}")),
-        _ => {
-            *cursor = before;
-            Cow::Borrowed(&*number)
-        }
-    };
-    let (cycle, part) = match number.split_once('.') {
-        Some((cycle, part)) => (cycle, Some(part)),
-        None => (&*number, None),
-    };
-    let whole = |digits: &str, cursor: &HeidenhainCursor<'_>| -> Result<u32, FormulaError> {
-        digits.parse().map_err(|_| expected(cursor, "the number of the cycle"))
-    };
-    let cycle = whole(cycle, cursor)?;
-    match part {
-        None => {
-            // Behind the title, the parameters.
-            let all = words(cursor);
-            let first = all.iter().position(is_parameter).unwrap_or(all.len());
-            Ok(HeidenhainStatement::CycleDefinition(
-                std::iter::once(head(cycle)).chain(all.into_iter().skip(first)).collect(),
-            ))
-        }
-        Some(part) => {
-            let part = whole(part, cursor)?;
-            let text = cursor.rest().trim().to_owned();
-            Ok(HeidenhainStatement::CyclePart { cycle, part, words: words(cursor), text })
-        }
-    }
-}
-
-/// `CYCL DEF` with the number.
-pub(super) fn head(cycle: u32) -> HeidenhainWord {
-    HeidenhainWord::made("CYCL DEF ", Operand::Number(cycle.to_string().into(), f64::from(cycle)))
-}
+use super::cycle_reader::head;
+use super::cycle_state::DefinedCycle;
+use super::eval::Evaluator;
+use super::foreign_axes::refuse_axes_of_cycle;
+use super::lex::HeidenhainCursor;
+use super::moves::RAPID;
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
+use super::statement::HeidenhainStatement;
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock};
+use super::{Heidenhain, HeidenhainLine, old};
 
 /// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of
 /// the control.
@@ -82,10 +34,6 @@ fn named(seen: &mut Vec<EvaluatedWord>, name: &str) {
     }
 }
 
-fn is_parameter(word: &HeidenhainWord) -> bool {
-    word.name.starts_with('Q') && word.name.ends_with('=')
-}
-
 /// The text of a block that has been read.
 fn text_of(host: &dyn InterpreterHost, (file, at): (FileId, u32), line: &HeidenhainLine) -> String {
     match &line.joined {
@@ -94,15 +42,8 @@ fn text_of(host: &dyn InterpreterHost, (file, at): (FileId, u32), line: &Heidenh
     }
 }
 
-/// Parameters of a cycle alone: several, each with its value.
-pub(super) fn parameters(mut cursor: HeidenhainCursor<'_>) -> Option<Vec<HeidenhainWord>> {
-    let all = words(&mut cursor);
-    let is = |word: &HeidenhainWord| is_parameter(word) && !matches!(word.operand, Operand::None | Operand::Sign(_));
-    (all.len() > 1 && all.iter().all(is)).then_some(all)
-}
-
 /// The parameter that a word of a cycle sets.
-pub(super) fn parameter_of(name: &str) -> Option<super::formula::QParameter> {
+pub(super) fn parameter_of(name: &str) -> Option<super::q_parameter::QParameter> {
     super::formula::parameter(&mut HeidenhainCursor::new(name.strip_suffix('=')?))
 }
 
@@ -174,51 +115,6 @@ fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<EvaluatedWord>) -> R
         seen.drain(at..at + 2);
     }
     Ok(())
-}
-
-/// The cycle that a call executes, if that is a program.
-#[derive(Debug, Clone, Default)]
-pub(super) struct DefinedCycle {
-    pub(super) program: Option<Arc<str>>,
-    /// The program is one of the control, not of the job.
-    pub(super) stored: bool,
-    /// Every position calls it since M89.
-    pub(super) modal: bool,
-    /// Where the last call has found the program, from the file that called.
-    pub(super) found: Option<(FileId, FoundProgram)>,
-}
-
-/// The place of a program, if there is one.
-type FoundProgram = Option<(FileId, ProgramRange)>;
-
-/// The program of a running cycle.
-#[derive(Debug, Default)]
-pub(super) struct RunningCycle {
-    /// Programs and labels that run with it, 0 for none.
-    pub(super) depth: usize,
-    /// Feed of the program that has called it.
-    pub(super) feed: Option<EvaluatedWord>,
-    /// The main program counts in inches.
-    pub(super) main_in_inches: bool,
-    /// Parameters that the call has changed, with their previous values.
-    pub(super) changed: Vec<(QParameter, f64)>,
-}
-
-/// The cycle of a program.
-#[derive(Debug, Default)]
-pub(super) struct HeidenhainCycles {
-    pub(super) defined: DefinedCycle,
-    pub(super) running: RunningCycle,
-    /// The values of the last definition of an old cycle.
-    pub(super) old: old::Data,
-    /// Parameters of GLOBAL DEF, for definitions that say PREDEF.
-    pub(super) global: Vec<(QParameter, f64)>,
-    /// Contours of the last cycle 14.
-    pub(super) contours: Contours,
-    /// Points of the last PATTERN DEF.
-    pub(super) pattern: PointPattern,
-    /// Words of the machine for holes, once they have been looked up.
-    pub(super) holes: Option<HoleWords>,
 }
 
 impl Heidenhain {

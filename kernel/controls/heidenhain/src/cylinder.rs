@@ -7,6 +7,7 @@
 //! the rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of
 //! the cylinder is the zero of the plane and of the tool axis.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_motion::arc::{PlaneArc, by_center};
 use counterpoint_motion::contour::closed::{ClosedContour, is_clear};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
@@ -15,33 +16,14 @@ use counterpoint_motion::contour::shifted::rounded;
 use super::Heidenhain;
 use super::clearing::{CycleBlockWriter, levels, within_reason};
 use super::moves::{Along, Moves, RAPID};
-use super::path::{AXES, actual};
-use super::words::EvaluatedWord;
-use counterpoint_control_api::host::InterpreterHost;
+use super::path_state::{AXES, actual};
+use super::sl_contours::Unrolled;
 
 /// How far a chord may lie off its arc, millimetres.
 const CHORD: f64 = 0.005;
 
 /// Passes of Q21 at most.
 const PASSES: u32 = 100;
-
-/// How the contour of a cylinder is read, and where its axes lie.
-#[derive(Debug, Clone)]
-pub(super) struct Unrolled {
-    /// Letter of the rotary axis.
-    rotary: &'static str,
-    /// Letters of the axes along the cylinder and across it.
-    along: &'static str,
-    across: &'static str,
-    /// Sense of the axis along the cylinder against that of the rotary axis.
-    sense: f64,
-    /// Sense of the axis across, as the tool goes around.
-    round: f64,
-    /// Units of the program for a unit of X: more than 1 where X is in degrees.
-    scale: f64,
-    /// Whether the contour names the rotary axis, as old programs do; its first block decides.
-    by_name: Option<bool>,
-}
 
 /// A place of the tool: the point above which the table turns, and how far the tool is from there, both unrolled.
 type Stand = (Spot, Spot);
@@ -59,39 +41,6 @@ impl CylinderMove {
         match self {
             Self::To(stand) => *stand,
             Self::Arc(foot, element) => (*foot, element.from),
-        }
-    }
-}
-
-impl Unrolled {
-    /// Words of a contour as they are unrolled: X is the way round, Y lies along the axis.
-    pub(super) fn words(&mut self, seen: &mut [EvaluatedWord]) {
-        let bare = |name: &str| name.strip_prefix('I').filter(|rest| !rest.is_empty()).unwrap_or(name).to_owned();
-        let is = |word: &EvaluatedWord, letter: &str| word.value.is_some() && bare(&word.name) == letter;
-        if self.by_name.is_none() && seen.iter().any(|word| is(word, "X") || is(word, "Y") || is(word, self.rotary)) {
-            self.by_name = Some(seen.iter().any(|word| is(word, self.rotary)));
-        }
-        for word in seen {
-            let Some(mut value) = word.value else { continue };
-            let mut name = word.name.to_string();
-            if self.by_name == Some(true) {
-                let to = if is(word, self.rotary) {
-                    "X"
-                } else if is(word, self.along) {
-                    "Y"
-                } else {
-                    ""
-                };
-                if !to.is_empty() {
-                    name = if name.len() > 1 { format!("I{to}") } else { to.to_owned() };
-                }
-            }
-            if matches!(&*name, "X" | "IX" | "CCX" | "ICCX" | "P1X" | "P2X" | "P3X" | "PDX") {
-                value *= self.scale;
-            }
-            if name != *word.name || Some(value) != word.value {
-                *word = EvaluatedWord::made(&name, value);
-            }
         }
     }
 }
@@ -245,9 +194,9 @@ impl Heidenhain {
             return Err("a cylinder needs a rotary table that carries the part, without M128".to_owned());
         };
         let letters = self.plane_letters();
-        let height = super::path::AXES.iter().position(|letter| *letter == self.tool_letter());
+        let height = super::path_state::AXES.iter().position(|letter| *letter == self.tool_letter());
         let lies = |letter: &str| {
-            let place = super::path::AXES.iter().position(|known| *known == letter)?;
+            let place = super::path_state::AXES.iter().position(|known| *known == letter)?;
             direction.get(place).copied().filter(|part| part.abs() > 1.0 - 1e-6).map(f64::signum)
         };
         let first = lies(letters[0]);

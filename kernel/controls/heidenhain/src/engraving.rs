@@ -8,17 +8,16 @@
 //! the form of that number). Decisions: docs of the family, "Choices of engraving". Refused: other places of texts on
 //! arcs, line breaks, tabs, counters. *Invariant:* no letter is left out.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_motion::contour::closed::turned_by;
 use counterpoint_motion::contour::element::{Spot, direction, plus};
 use counterpoint_motion::lettering;
 
 use super::Heidenhain;
 use super::clearing::{CycleBlockWriter, levels, within_reason};
-use super::formula::{ParameterKind, QParameter};
 use super::moves::{Moves, RAPID};
-use super::path::actual;
-use super::variables::ParameterValue;
-use counterpoint_control_api::host::InterpreterHost;
+use super::path_state::actual;
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
 
 /// The text of the cycle.
 const TEXT: QParameter = QParameter { kind: ParameterKind::Text, index: 500 };

@@ -4,19 +4,19 @@
 //! SGN of zero is 1, positions in texts count from 0, STRCOMP is 0, 1 or -1, INSTR gives the length if nothing is
 //! found. Functions come from `libm`, so that every machine gives the same bits. Invariant: a value is finite.
 
-use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::MacroValue;
-
-use super::formula::{Formula, HeidenhainOp, ParameterKind, QParameter, formula};
-use super::lex::{HeidenhainCursor, capitals};
-use super::variables::{ParameterValue, QParameterStore};
 use counterpoint_control_api::expression::{Evaluate, Stack};
 use counterpoint_control_api::host::{IdentificationAnswer, InterpreterHost};
 use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 use counterpoint_fault as diag;
-use counterpoint_fault::DiagnosticFacts;
+use counterpoint_fault::{DiagnosticFacts, Halt};
+use counterpoint_lang::value::MacroValue;
+
+use super::formula::{Formula, HeidenhainOp, formula};
+use super::lex::{HeidenhainCursor, capitals};
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
+use super::variables::QParameterStore;
 
 /// Longest text.
 const LONGEST: usize = 8192;

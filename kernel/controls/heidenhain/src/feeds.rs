@@ -5,14 +5,15 @@
 //! Decisions: they become the F word of M136, other feeds that of M137 from then on; a machine with registers of these
 //! names gets them as they are. Invariant: a program without FU and FZ keeps its F words.
 
-use super::Heidenhain;
-use super::eval::{Evaluator, IdentificationResult};
-use super::path::{FASTEST, PathBlockKind};
-use super::variables::ParameterValue;
-use super::words::{EvaluatedWord, shown};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::eval::{Evaluator, IdentificationResult};
+use super::path_state::{FASTEST, PathBlockKind};
+use super::q_parameter::ParameterValue;
+use super::words::{EvaluatedWord, shown};
 
 /// M functions of feeds per revolution and per minute.
 const PER_TURN: u16 = 136;

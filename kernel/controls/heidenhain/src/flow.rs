@@ -5,22 +5,22 @@
 //! root. Decisions: REP with a label further down calls it that many times; the first label of a name counts.
 //! Invariant: a jump back and a call are counted by the kernel.
 
-use counterpoint_fault::Halt;
-
-use super::Heidenhain;
-use super::eval::Evaluator;
-use super::formula::Formula;
-use super::lex;
-use super::statement::{self, HeidenhainStatement, Label};
-use super::variables::ParameterValue;
-use super::words::{LeftBlock, headed};
 use counterpoint_control_api::host::{InterpreterHost, SubprogramCall};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::search::{LabelSearchOrder, Labels};
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::source::ProgramSource;
+
+use super::eval::Evaluator;
+use super::formula::Formula;
+use super::q_parameter::ParameterValue;
+use super::statement::{HeidenhainStatement, Label};
+use super::statement_reader;
+use super::words::{LeftBlock, headed};
+use super::{Heidenhain, lex};
 
 /// The program of a frame of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -42,7 +42,7 @@ fn labels(source: &ProgramSource) -> Labels<Label> {
             continue;
         }
         let clean = lex::clean(text, &|_| false);
-        if let Ok(HeidenhainStatement::Label(label)) = statement::read(&clean.text) {
+        if let Ok(HeidenhainStatement::Label(label)) = statement_reader::read(&clean.text) {
             labels.add(label, line);
         }
     }

@@ -4,12 +4,12 @@
 //! and the dialogs of the control offer no such word. *Invariant:* no word of such a statement moves an axis or becomes
 //! a value of it.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-use super::path::{AXES, axis};
+use super::path_state::{AXES, axis};
 use super::words::EvaluatedWord;
-use counterpoint_control_api::host::InterpreterHost;
 
 /// Cycles of single values that name no axes.
 const VALUES_ONLY: [u32; 4] = [9, 11, 13, 32];

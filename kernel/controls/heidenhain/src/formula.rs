@@ -6,53 +6,14 @@
 
 use std::sync::Arc;
 
-use super::lex::HeidenhainCursor;
-use super::variables::ParameterValue;
+use counterpoint_control_api::expression;
 use counterpoint_control_api::expression::{
-    self, CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read, signed,
+    CompiledExpression, ExpressionPart, Grammar, Operators, PrefixOperator, read, signed,
 };
 use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 
-/// Kind of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum ParameterKind {
-    Q,
-    Local,
-    Kept,
-    Text,
-}
-
-impl ParameterKind {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Q => "Q",
-            Self::Local => "QL",
-            Self::Kept => "QR",
-            Self::Text => "QS",
-        }
-    }
-
-    /// Largest index.
-    pub(super) fn last(self) -> u32 {
-        match self {
-            Self::Q | Self::Text => 1999,
-            Self::Local | Self::Kept => 499,
-        }
-    }
-}
-
-/// A parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct QParameter {
-    pub(super) kind: ParameterKind,
-    pub(super) index: u32,
-}
-
-impl std::fmt::Display for QParameter {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}{}", self.kind.name(), self.index)
-    }
-}
+use super::lex::HeidenhainCursor;
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
 
 /// Names of the functions besides those of all controls.
 const FUNCTIONS: [(&str, NumericFunction); 8] = [

@@ -6,15 +6,15 @@
 //! with one or two elements after it, and those of which FSELECT selects one. Invariant: an element that is not
 //! determined stops the program, as on the control.
 
-use super::choices::exit_angle;
-use super::path::{PathBlock, PathBlockKind, PathBuilder, Position};
-use super::words::LeftBlock;
 use counterpoint_control_api::contour::{
     Point, PolarPoint, along, angle_between, center_by_radius, direction, left, length, line, minus, pieces, times,
     touch, towards, turn, turned,
 };
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+
+use super::path_state::{PathBlock, PathBlockKind, PathBuilder, Position, exit_angle, of_step, sense_of};
+use super::words::LeftBlock;
 
 /// Largest piece of an arc that is made by its radius, degrees.
 const PIECE: f64 = 170.0;
@@ -41,22 +41,6 @@ const NEAR: f64 = 1e-3;
 /// How far the start of an arc may lie off its circle; the same as for its end.
 const OFF: f64 = 0.016;
 
-/// Data of free contours besides the path.
-#[derive(Debug, Clone, Default)]
-pub(super) struct FreeContour {
-    pub(super) pole: Option<Point>,
-    /// Where the contour of CLSD+ begins.
-    begins: Option<Point>,
-    /// Elements with the number of their block: end, direction there.
-    known: Vec<(u32, Point, Option<Point>)>,
-    /// FSELECT entries: the number of elements that FSELECT follows after the current one, its number and its line.
-    pub(super) selects: Vec<(usize, usize, u32)>,
-    /// Lines of those that have selected something.
-    pub(super) decided: Vec<u32>,
-    /// The end of the current element.
-    end: Option<Point>,
-}
-
 /// An arc to be made.
 struct FreeContourArc {
     center: Point,
@@ -65,16 +49,6 @@ struct FreeContourArc {
     sweep: f64,
     /// The end, where the block says it.
     end: Option<Position>,
-}
-
-/// A value of a step.
-pub(super) fn of_step(step: &PathBlock, name: &str) -> Option<f64> {
-    step.seen.iter().find(|word| word.is(name) && !word.is_off()).and_then(|word| word.value)
-}
-
-/// The direction of rotation of a step.
-pub(super) fn sense_of(step: &PathBlock) -> Option<bool> {
-    step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.turns() == Some(true))
 }
 
 /// Where a ray meets a line through a point; none behind its start.
@@ -219,7 +193,7 @@ impl PathBuilder<'_> {
 
     /// The end of a following step, if its coordinates give it.
     pub(super) fn end_behind(&self, step: &PathBlock) -> Option<Point> {
-        let letters = self.path.plane.map(|axis| super::path::AXES.get(axis).copied().unwrap_or_default());
+        let letters = self.path.plane.map(|axis| super::path_state::AXES.get(axis).copied().unwrap_or_default());
         Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
     }
 

@@ -3,12 +3,15 @@
 //! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16 to
 //! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
 
-use super::formula::{self, Formula, FormulaError, HeidenhainOp, Op, QParameter, expected, parameter, with};
-use super::lex::HeidenhainCursor;
-use super::statement::{BranchCondition, HeidenhainStatement, Test, target};
-use super::words::{HeidenhainWord, MADE, words};
 use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 use counterpoint_control_api::statement::{ALARM, SharedStatement};
+
+use super::formula;
+use super::formula::{Formula, FormulaError, HeidenhainOp, Op, expected, parameter, with};
+use super::lex::HeidenhainCursor;
+use super::q_parameter::QParameter;
+use super::statement::{BranchCondition, HeidenhainStatement, Test};
+use super::words::{HeidenhainWord, MADE, words};
 
 /// Functions that other controls also have as statements: number, keyword, action.
 const STATEMENTS: [(u32, &str, &SharedStatement); 1] = [(14, "ERROR", &ALARM)];
@@ -256,4 +259,11 @@ fn write_system(cursor: &mut HeidenhainCursor<'_>) -> Result<HeidenhainStatement
         return Err(expected(cursor, "an equal sign"));
     }
     Ok(HeidenhainStatement::SysWrite { id, number, index, value: formula::operand(cursor)? })
+}
+
+/// A label that a statement goes to: `LBL 5`, `LBL "NAME"`, `LBL QS5`.
+pub(super) fn target(cursor: &mut HeidenhainCursor<'_>) -> Result<Formula, FormulaError> {
+    cursor.keyword("LBL");
+    let target = formula::operand(cursor)?;
+    if cursor.is_over() { Ok(target) } else { Err(expected(cursor, "the end of the block")) }
 }

@@ -3,9 +3,10 @@
 //! Facts: Heidenhain ISO pre-processor page, programming manual (DIN/ISO). Invariant: a block of which nothing is
 //! evaluated is left as it is.
 
-use super::formula::{self, FormulaError, expected};
+use super::formula;
+use super::formula::{FormulaError, expected};
 use super::lex::HeidenhainCursor;
-use super::path::{PathBlockKind, PathBuilder, axis};
+use super::path_state::{PathBlockKind, PathBuilder, axis};
 use super::statement::{HeidenhainStatement, Label};
 use super::words::{HeidenhainWord, Operand};
 

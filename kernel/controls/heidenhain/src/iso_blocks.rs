@@ -6,16 +6,16 @@
 //! block without a motion word repeats the last one where it names an axis, R or H; a block with T makes no move.
 //! Invariant: a block is either turned into such blocks or an alarm.
 
-use counterpoint_fault::Halt;
-
-use super::formula::{self, Formula, HeidenhainOp};
-use super::lex::HeidenhainCursor;
-use super::path::{PathBlockKind, axis};
-use super::statement::{CycleCallForm, HeidenhainStatement};
-use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand, shown};
-use super::{Heidenhain, HeidenhainLine, iso_cycles};
 use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
+use counterpoint_fault::Halt;
+
+use super::formula::{Formula, HeidenhainOp};
+use super::lex::HeidenhainCursor;
+use super::path_state::{PathBlockKind, axis};
+use super::statement::{CycleCallForm, HeidenhainStatement};
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand, shown};
+use super::{Heidenhain, HeidenhainLine, formula, iso_cycles};
 
 /// Modes of an ISO program.
 #[derive(Debug, Clone, Copy, Default)]
@@ -353,7 +353,7 @@ impl Heidenhain {
             200..=299 => number,
             _ => return None,
         };
-        Some(std::iter::once(super::cycles::head(cycle)).chain(parameters.iter().cloned()).collect())
+        Some(std::iter::once(super::cycle_reader::head(cycle)).chain(parameters.iter().cloned()).collect())
     }
 }
 

@@ -4,6 +4,8 @@
 //! Facts: programming manual (DIN/ISO). Decision: the numbers of G56 to G59 and G74 to G78 follow the order of the
 //! lines. Invariant: a value without a place in the cycle has no effect.
 
+use IsoCycleWord::{Clockwise, Counterclockwise, Feed, Radius, Value};
+
 use super::words::EvaluatedWord;
 
 /// A word of a line: the number of its value, or the direction of the cycle.
@@ -16,8 +18,6 @@ pub(super) enum IsoCycleWord {
     Clockwise,
     Counterclockwise,
 }
-
-use IsoCycleWord::{Clockwise, Counterclockwise, Feed, Radius, Value};
 
 /// Lines of a definition, from 1.
 pub(super) type Lines = &'static [&'static [IsoCycleWord]];
@@ -76,7 +76,7 @@ fn numbered(seen: &[EvaluatedWord], number: u32) -> Option<(&str, f64)> {
     match &*word.name {
         "" | "+" => Some(("", value)),
         "-" => Some(("", -value)),
-        name => Some((name, value)).filter(|_| super::path::axis(name).is_some()),
+        name => Some((name, value)).filter(|_| super::path_state::axis(name).is_some()),
     }
 }
 

@@ -5,15 +5,15 @@
 //! and DEP LCT, a line and an arc that are tangent to each other and to the contour. Invariant: a G26 or G27 without
 //! such a block is an alarm.
 
+use counterpoint_control_api::contour::PathShape;
+use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_fault::Halt;
 
 use super::iso_blocks::Element;
-use super::path::PathBlockKind;
+use super::path_state::PathBlockKind;
 use super::statement::HeidenhainStatement;
 use super::words::{HeidenhainWord, LeftBlock, Operand, shown};
 use super::{Heidenhain, HeidenhainLine};
-use counterpoint_control_api::contour::PathShape;
-use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 
 fn is_g(word: &HeidenhainWord, number: f64) -> bool {
     matches!(word.operand, Operand::Number(_, value) if &*word.name == "G" && value == number)

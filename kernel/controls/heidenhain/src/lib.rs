@@ -9,6 +9,7 @@ mod ahead;
 mod approach;
 mod areas;
 mod auxiliary;
+mod call_approach;
 mod calls;
 mod carry;
 mod choices;
@@ -17,6 +18,8 @@ mod clearing;
 mod contours;
 mod control;
 mod corner;
+mod cycle_reader;
+mod cycle_state;
 mod cycles;
 mod cylinder;
 mod drilling;
@@ -39,17 +42,21 @@ mod models;
 mod moves;
 mod old;
 mod path;
+mod path_state;
 mod patterns;
 mod planes;
 mod polar;
 mod print;
+mod q_parameter;
 mod rates;
 mod retract;
 mod settings;
 mod shifts;
+mod sl_contours;
 mod slot;
 mod space;
 mod statement;
+mod statement_reader;
 mod system;
 mod tables;
 mod tasks;
@@ -61,21 +68,20 @@ mod upright;
 mod variables;
 mod words;
 
-use counterpoint_fault::Halt;
 use std::sync::Arc;
-
-use counterpoint_lang::value::MacroValue;
 
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_control_api::interpreter::{Interpreter, MadeBlocks, Remaining, SettingOutcome};
 use counterpoint_control_api::words::{Meanings, Span, span};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_program::kept::{LineCache, TableCache};
 use counterpoint_program::search::Labels;
 use counterpoint_program::shape::ProgramRange;
 use lex::HeidenhainCursor;
-use path::PathState;
+use path_state::PathState;
 use settings::HeidenhainSettings;
 use statement::HeidenhainStatement;
 use variables::{HeidenhainCallLevel, QParameterStore};
@@ -143,7 +149,7 @@ pub(crate) struct Heidenhain {
     /// Kind of the call that has been requested.
     calling: Option<flow::CalleeKind>,
     selected: Selected,
-    cycles: cycles::HeidenhainCycles,
+    cycles: cycle_state::HeidenhainCycles,
     shifts: shifts::Shifts,
     units: feeds::Units,
     tools: tools::ToolTableValues,
@@ -216,7 +222,7 @@ impl Heidenhain {
             clean.marked |= more.marked;
             next += 1;
         }
-        let statement = statement::read(&clean.text).map_err(|wrong| format!("{wrong} of '{}'", clean.text))?;
+        let statement = statement_reader::read(&clean.text).map_err(|wrong| format!("{wrong} of '{}'", clean.text))?;
         let length = clean.text.len();
         let joins = next > line + 1 && !clean.text.is_empty();
         let start = if joins { 0 } else { clean.start };
@@ -265,12 +271,12 @@ impl Interpreter for Heidenhain {
         self.modes = iso_blocks::IsoModes::default();
         self.space = space::Space::default();
         self.planes = planes::Planes::default();
-        self.cycles.running = cycles::RunningCycle::default();
+        self.cycles.running = cycle_state::RunningCycle::default();
         if reset {
             self.shifts = shifts::Shifts::default();
-            self.cycles.contours = contours::Contours::default();
+            self.cycles.contours = sl_contours::Contours::default();
             self.cycles.global.clear();
-            self.cycles.defined = cycles::DefinedCycle::default();
+            self.cycles.defined = cycle_state::DefinedCycle::default();
             self.cycles.pattern = patterns::PointPattern::default();
             self.selected = Selected::default();
         }
@@ -329,8 +335,8 @@ impl Interpreter for Heidenhain {
     ) -> Result<bool, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(false) };
         let value = match (value.as_real(), value.as_text()) {
-            (Some(value), _) if value.is_finite() => variables::ParameterValue::Number(value),
-            (_, Some(text)) => variables::ParameterValue::Text(text.into()),
+            (Some(value), _) if value.is_finite() => q_parameter::ParameterValue::Number(value),
+            (_, Some(text)) => q_parameter::ParameterValue::Text(text.into()),
             _ => return Ok(false),
         };
         host.effect();
@@ -357,7 +363,7 @@ impl Interpreter for Heidenhain {
 }
 
 /// A parameter as macros name it: `Q200`, or `Q` with an index apart.
-fn spelled(name: &str, indices: &[f64]) -> Option<formula::QParameter> {
+fn spelled(name: &str, indices: &[f64]) -> Option<q_parameter::QParameter> {
     let text = match indices {
         [] => name.to_ascii_uppercase(),
         [index] if *index >= 0.0 && index.fract() == 0.0 && *index < 1e9 => {

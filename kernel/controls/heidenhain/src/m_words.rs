@@ -7,13 +7,13 @@
 //! tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused; M112 and M124 are reported and
 //! change nothing. *Invariant:* none of these words moves an axis or is a feed.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::path::axis;
+use super::path_state::axis;
 use super::words::{EvaluatedWord, LeftBlock};
-use counterpoint_control_api::host::InterpreterHost;
 
 /// Letters of rotary axes, as the register of M94 counts them from 1.
 const ROTARY: [&str; 3] = ["A", "B", "C"];
@@ -77,7 +77,7 @@ impl Heidenhain {
         }
         if place(seen, 142.0).is_some() {
             before.extend(self.shifts.define(host, 247, &mut Vec::new()));
-            self.cycles.defined = super::cycles::DefinedCycle::default();
+            self.cycles.defined = super::cycle_state::DefinedCycle::default();
         }
         if place(seen, 130.0).is_some() && host.plane_angles().is_some() {
             let text = format!(

@@ -5,15 +5,14 @@
 //! operators, which bind from left to right. *Invariant:* a formula that has been read is finite and has only declared
 //! contours.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-use super::Heidenhain;
-use super::areas::{AreaExpression, Join};
-use super::contours::{ContourSource, ContourSubprogram, Contours};
 use super::formula::Formula;
-use super::lex::{self, HeidenhainCursor};
-use counterpoint_control_api::host::InterpreterHost;
+use super::lex::HeidenhainCursor;
+use super::sl_contours::{AreaExpression, ContourSource, ContourSubprogram, Contours, Join};
+use super::{Heidenhain, lex};
 
 /// Most contours and joins of a formula, and how deep its brackets may be.
 const MOST: usize = 1000;

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* each move is a block of conversational words, which the machine reads like words of the program.
 
-use super::path::FASTEST;
+use super::path_state::FASTEST;
 use super::words::{EvaluatedWord, LeftBlock};
 
 /// A feed parameter of this value or more means rapid.

@@ -4,7 +4,7 @@
 //! Decisions: a value is identified by its line and its letter, since the words are in the language of the programmer;
 //! DR+ is 1, DR− is −1. Invariant: a definition says all data, those that it does not have are 0.
 
-use super::path::AXES;
+use super::path_state::AXES;
 use super::words::EvaluatedWord;
 
 /// System data ID30 by their numbers, from 1.

@@ -7,18 +7,18 @@
 //! before the first point the tool only rises. Invariant: the block of the call runs once for each point, and a cycle
 //! that is not a program is never called so.
 
-use counterpoint_fault::Halt;
-
-use super::Heidenhain;
-use super::calls::{CallApproach, SECOND_CLEARANCE};
-use super::eval::Evaluator;
-use super::formula::{ParameterKind, QParameter};
-use super::path::{AXES, actual};
-use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, headed};
 use counterpoint_control_api::contour::{Point, along, towards};
 use counterpoint_control_api::host::{InterpreterHost, ProgramPlace};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::call_approach::{CallApproach, SECOND_CLEARANCE};
+use super::eval::Evaluator;
+use super::path_state::{AXES, actual};
+use super::q_parameter::{ParameterKind, QParameter};
+use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, headed};
 
 /// Most points of a definition.
 const MOST: usize = 10_000;

@@ -6,18 +6,17 @@
 //! (as programs of three machines reset their shifts before PLANE RESET). Invariant: the tables of the machine get
 //! words with letters only.
 
+use counterpoint_control_api::host::InterpreterHost;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes;
-use super::formula::{ParameterKind, QParameter};
-use super::path::{AXES, axis};
+use super::path_state::{AXES, axis};
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
 use super::shifts::{SPACE, Shifts, cycle};
-use super::variables::ParameterValue;
 use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, headed};
-use counterpoint_control_api::host::InterpreterHost;
-use counterpoint_fault as diag;
 
 /// The remains of planes.
 #[derive(Debug, Default)]

@@ -3,9 +3,10 @@
 //! Facts: programming manuals of the control (LP, CP, CTP; G10 to G16). Decision: circles of more than 270 degrees are
 //! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
 
-use super::path::{PathBuilder, Position};
-use super::words::{LeftBlock, headed};
 use counterpoint_control_api::contour::{Point, PolarPoint, angle_between, minus, pieces};
+
+use super::path_state::{PathBuilder, Position};
+use super::words::{LeftBlock, headed};
 
 /// Largest arc of a circle about the pole that is made in one piece, degrees.
 const LARGEST: f64 = 270.0;

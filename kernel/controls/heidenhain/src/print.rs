@@ -4,15 +4,16 @@
 //! wherever a program prints to, the lines are messages to the operator; keywords of masks for time, language and files
 //! print nothing. Invariant: a format without a value prints nothing for it.
 
+use counterpoint_control_api::host::InterpreterHost;
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::operand;
 use super::lex::{HeidenhainCursor, capitals};
-use super::variables::ParameterValue;
+use super::q_parameter::ParameterValue;
 use super::words::shown;
-use counterpoint_control_api::host::InterpreterHost;
-use counterpoint_fault as diag;
-use counterpoint_fault::Halt;
 
 /// Longest field of a format.
 const WIDEST: usize = 500;

@@ -3,21 +3,8 @@
 //! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a
 //! corner ends with it; the feed before it returns in the next block that moves.
 
-use super::path::{PathBlockKind, PathBuilder, axis};
+use super::path_state::{PathBlockKind, PathBuilder, axis};
 use super::words::{EvaluatedWord, LeftBlock};
-
-/// Feeds that a program has given.
-#[derive(Debug, Clone, Default)]
-pub(super) struct ProgrammedFeeds {
-    /// The last one, as written.
-    pub(super) last: Option<EvaluatedWord>,
-    /// That of TOOL CALL.
-    pub(super) of_tool: Option<EvaluatedWord>,
-    /// A corner had a feed of its own.
-    pub(super) gives_back: bool,
-    /// The block before was at rapid.
-    pub(super) rapid_before: bool,
-}
 
 impl PathBuilder<'_> {
     /// Feeds of the lines: that of TOOL CALL, and the feed before a corner with its own.

@@ -6,9 +6,10 @@
 //! one scale, the later one counts for its axes. Invariant: the tables of the machine get absolute values, and all axes
 //! of a mirror or scale.
 
-use super::path::{AXES, axis};
-use super::words::{EvaluatedWord, LeftBlock, Rest, shown};
 use counterpoint_control_api::host::InterpreterHost;
+
+use super::path_state::{AXES, axis};
+use super::words::{EvaluatedWord, LeftBlock, Rest, shown};
 
 /// X, Y and Z come first; every other axis has its own shift, mirror and scale, in any active plane.
 pub(super) const SPACE: usize = 3;

@@ -3,16 +3,17 @@
 //! Facts: programming manuals of the control (system data by ID, NR and IDX), reference control-emulator.md 4.3. The
 //! machine is asked first. Invariant: unknown system data are reported; a parameter becomes 0, nothing is written.
 
-use super::Heidenhain;
-use super::eval::{Evaluator, IdentificationResult};
-use super::formula::{Formula, QParameter};
-use super::path::AXES;
-use super::tools::row;
-use super::variables::ParameterValue;
-use super::words::shown;
 use counterpoint_control_api::host::{IdentificationAnswer, InterpreterHost};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::eval::{Evaluator, IdentificationResult};
+use super::formula::Formula;
+use super::path_state::AXES;
+use super::q_parameter::{ParameterValue, QParameter};
+use super::tools::row;
+use super::words::shown;
 
 impl Heidenhain {
     pub(super) fn system_read(

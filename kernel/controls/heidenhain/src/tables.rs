@@ -4,17 +4,17 @@
 //! the second names the columns, `[END]` closes). Decisions: a row with a value in every column is read by order, any
 //! other by the places of the names; FADE with Y hides a point. Invariant: lengths are in the unit of the program.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::formula::Formula;
 use super::lex::capitals;
-use super::path::AXES;
+use super::path_state::AXES;
 use super::patterns::PatternPoint;
 use super::words::EvaluatedWord;
-use counterpoint_control_api::host::InterpreterHost;
-use counterpoint_fault as diag;
 
 /// Most rows of a table.
 const MOST: u32 = 10_000;

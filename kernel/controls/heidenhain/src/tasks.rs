@@ -4,12 +4,12 @@
 //! Q208 of the cycles; the lines of the old cycles, which count from where the tool is; cycles 271 to 274 and 277).
 //! Decisions: the tool of 277 comes to a point.
 
-use super::Heidenhain;
-use super::formula::{ParameterKind, QParameter};
-use super::moves::RAPID;
-use super::old;
-use super::path::actual;
 use counterpoint_control_api::host::InterpreterHost;
+
+use super::moves::RAPID;
+use super::path_state::actual;
+use super::q_parameter::{ParameterKind, QParameter};
+use super::{Heidenhain, old};
 
 /// Column T-ANGLE of the tool table.
 const TIP_ANGLE: u32 = 32;

@@ -6,6 +6,7 @@
 //! does not name keeps its value; L and R of TOOL DEF replace those of the table. Invariant: a length or radius takes
 //! effect at the next TOOL CALL.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -13,11 +14,10 @@ use super::Heidenhain;
 use super::eval::{Evaluator, IdentificationResult};
 use super::foreign_axes::refuse_axes;
 use super::formula::Formula;
-use super::path::AXES;
+use super::path_state::AXES;
+use super::q_parameter::ParameterValue;
 use super::tools::{LENGTH, RADIUS, is_indexed, row};
-use super::variables::ParameterValue;
 use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, MADE, Rest, headed, shown};
-use counterpoint_control_api::host::InterpreterHost;
 
 /// Register for the row of an indexed tool.
 const ROW: &str = "TOOLROW";

@@ -3,15 +3,16 @@
 //! Facts: user's manual of the TNC7, NC functions for coordinate transformation. *Invariant:* each is reduced to its
 //! cycle, so that both act on the same values.
 
+use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::cycles::head;
+use super::cycle_reader::head;
 use super::eval::Evaluator;
-use super::path::AXES;
-use super::shifts::{SPACE, cycle as cycle_words};
+use super::path_state::AXES;
+use super::shifts::SPACE;
+use super::shifts::cycle as cycle_words;
 use super::words::{EvaluatedWord, HeidenhainWord, LeftBlock, Operand};
-use counterpoint_control_api::host::InterpreterHost;
 
 impl Heidenhain {
     /// A statement that begins with TRANS.

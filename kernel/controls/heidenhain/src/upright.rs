@@ -4,9 +4,10 @@
 //! the plane of polar coordinates); the angle of a plane counts from its first axis: X to Y, Y to Z, Z to X.
 //! *Invariant:* the working plane and its pole are the same after the block as before it.
 
-use super::path::{PathBlockKind, PathBuilder, axis};
-use super::words::{EvaluatedWord, LeftBlock};
 use counterpoint_control_api::contour::Point;
+
+use super::path_state::{PathBlockKind, PathBuilder, Poles, axis};
+use super::words::{EvaluatedWord, LeftBlock};
 
 /// Axes of a plane.
 type Plane = [usize; 2];
@@ -16,15 +17,6 @@ const PLANES: [Plane; 3] = [[0, 1], [1, 2], [2, 0]];
 
 /// The axis of a tool that works in each plane, as it selects the plane.
 const TOOL_AXES: [&str; 3] = ["Z", "X", "Y"];
-
-/// Centres of circles that blocks have defined.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Poles {
-    /// In the working plane.
-    pub(super) flat: Option<Point>,
-    /// The last one, where it is in another plane: its axes, and where it is along them.
-    pub(super) upright: Option<([usize; 2], Point)>,
-}
 
 impl PathBuilder<'_> {
     /// The pole of a `CC` with two axes that are not those of the working plane.

@@ -6,24 +6,11 @@
 
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
-
-use super::formula::{ParameterKind, QParameter};
 use counterpoint_control_api::call_stack::CallStack;
 use counterpoint_control_api::host::InterpreterHost;
+use rustc_hash::FxHashMap;
 
-/// A value.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum ParameterValue {
-    Number(f64),
-    Text(Arc<str>),
-}
-
-impl Default for ParameterValue {
-    fn default() -> Self {
-        Self::Number(0.0)
-    }
-}
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
 
 /// The data that the control supplies in its own Q parameters.
 #[derive(Debug, Clone, Default)]

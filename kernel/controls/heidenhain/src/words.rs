@@ -3,16 +3,17 @@
 //! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
 //! number keeps its text, and text that is not a word stays unchanged, so that the tables of the machine decide.
 
-use counterpoint_fault::Halt;
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
 
-use super::eval::Evaluator;
-use super::formula::{QParameter, parameter};
-use super::lex::HeidenhainCursor;
-use super::variables::ParameterValue;
 use counterpoint_control_api::words::{Span, span};
+use counterpoint_fault::Halt;
 use counterpoint_machine::number::shortest;
+
+use super::eval::Evaluator;
+use super::formula::parameter;
+use super::lex::HeidenhainCursor;
+use super::q_parameter::{ParameterValue, QParameter};
 
 /// The text after the name of a word.
 #[derive(Debug, Clone, PartialEq)]
@@ -327,7 +328,7 @@ mod tests {
     #[test]
     fn words_are_names_with_what_stands_behind_them() {
         let q = |negative, index| {
-            let name = QParameter { kind: super::super::formula::ParameterKind::Q, index };
+            let name = QParameter { kind: super::super::q_parameter::ParameterKind::Q, index };
             format!("{:?}", Operand::Parameter { negative, name })
         };
         assert_eq!(read("X+10 IY-.5"), ["X|Number(\"+10\", 10.0)", "IY|Number(\"-.5\", -0.5)"]);

@@ -8,13 +8,15 @@
 //! channels (SETM, CLEARM). *Invariant:* an action that is not possible here is refused where it is written, so no axis
 //! moves differently from the control without a report.
 
-use super::cursor::SiemensCursor;
-use super::expression::{Expression, SiemensArgument, expression, unexpected};
-use super::left::SiemensRemainder;
-use super::line::{SiemensItem, item};
-use super::{Outcome, Siemens, SiemensBlockError, syntax};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
+
+use super::compiled::SiemensArgument;
+use super::cursor::SiemensCursor;
+use super::expression::{expression, unexpected};
+use super::item::{SiemensItem, SynchronisedAction, Trigger};
+use super::left::SiemensRemainder;
+use super::{Outcome, Siemens, SiemensBlockError, syntax};
 
 /// Most actions that wait.
 const MOST: usize = 255;
@@ -22,36 +24,6 @@ const MOST: usize = 255;
 const TESTS: u8 = 2;
 /// Variables that actions set.
 const SET: [&str; 7] = ["$AC_MARKER", "$AC_PARAM", "$AC_TIMER", "$A_OUT", "$A_OUTA", "$A_DB", "R"];
-
-/// When an action acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Trigger {
-    Once,
-    While,
-    Edge,
-    Since,
-    Always,
-}
-
-/// An action as it is written.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct SynchronisedAction {
-    /// Its number, and whether it stays beyond the program.
-    number: Option<(Expression, bool)>,
-    trigger: Trigger,
-    condition: Option<Expression>,
-    does: Vec<SiemensItem>,
-    text: String,
-}
-
-impl SynchronisedAction {
-    /// Whether it sets or deletes marks for other channels.
-    pub(super) fn coordinates(&self) -> bool {
-        self.does
-            .iter()
-            .any(|item| matches!(item, SiemensItem::Function(name, _) if matches!(name.as_str(), "SETM" | "CLEARM")))
-    }
-}
 
 /// An action that waits.
 #[derive(Debug)]
@@ -85,8 +57,12 @@ pub(super) fn begins(name: &str, cursor: &SiemensCursor<'_>) -> bool {
     trigger(name).is_some() || matches!(name, "ID" | "IDS") && cursor.rest().trim_start().starts_with('=')
 }
 
-/// Reads an action whose first word is `name`; it takes the rest of the block.
-pub(super) fn action(cursor: &mut SiemensCursor<'_>, name: &str) -> Result<SiemensItem, String> {
+/// Reads an action whose first word is `name`; it takes the rest of the block. `read_item` reads a word or statement.
+pub(super) fn action(
+    cursor: &mut SiemensCursor<'_>,
+    name: &str,
+    read_item: impl Fn(&mut SiemensCursor<'_>) -> Result<SiemensItem, String>,
+) -> Result<SiemensItem, String> {
     // Values of the main run are those of the block here.
     let text = cursor.rest().replace("$$", "$").replace("$R", "R");
     let mut inner = SiemensCursor::new(&text);
@@ -116,7 +92,7 @@ pub(super) fn action(cursor: &mut SiemensCursor<'_>, name: &str) -> Result<Sieme
         if inner.is_at_end() {
             break;
         }
-        does.push(item(&mut inner)?);
+        does.push(read_item(&mut inner)?);
     }
     Ok(SiemensItem::Synchronised(std::sync::Arc::new(SynchronisedAction {
         number,

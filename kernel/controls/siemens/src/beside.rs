@@ -3,7 +3,7 @@
 //! Facts: the control's frames have translation, scale and mirror for every axis of the channel, rotations for geometry
 //! axes only. Invariant: all numbers are finite and no scale is 0.
 
-use super::frame::FrameComponent;
+use super::frame_component::FrameComponent;
 
 /// Most axes of a channel.
 const AXES: usize = 8;

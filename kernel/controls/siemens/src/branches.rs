@@ -4,9 +4,9 @@
 //! part that is repeated runs as a call of its blocks. Invariant: nothing is remembered of a loop, its partners are
 //! found in the text.
 
-use super::expression::Expression;
+use super::compiled::Expression;
+use super::item::{AssignmentValue, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
 use super::left::SiemensRemainder;
-use super::line::{AssignmentValue, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
 use super::run::{BlockContinuation, MOST_PASSES};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
@@ -94,7 +94,7 @@ impl Siemens {
                 let Some(target) = self.locate(host, variable)? else {
                     return syntax(format!("{} of FOR is not a variable", variable.name));
                 };
-                let value = super::evaluate::number(&self.value_of(host, &target)?)?;
+                let value = super::conversions::number(&self.value_of(host, &target)?)?;
                 self.store(host, &target, Data::Real(value + 1.0))?;
                 match head {
                     Some(head) if self.loop_goes_on(host, head)? => self.go(host, partners.first.saturating_add(1)),
@@ -109,7 +109,7 @@ impl Siemens {
         let SiemensItem::For(variable, _, last) = head else { return Ok(false) };
         let value = self.read(host, variable)?;
         let last = self.evaluate(host, last)?;
-        Ok(super::evaluate::number(&value)? <= super::evaluate::number(&last)?)
+        Ok(super::conversions::number(&value)? <= super::conversions::number(&last)?)
     }
 
     fn case(

@@ -6,10 +6,11 @@
 
 use std::sync::Arc;
 
-use super::define::{Parameter, ProcHeader};
-use super::expression::{SiemensArgument, as_name};
-use super::jumps::bare;
-use super::line::{SiemensItem, read};
+use super::block_text::bare;
+use super::compiled::{SiemensArgument, as_name};
+use super::declaration::{Parameter, ProcHeader};
+use super::item::SiemensItem;
+use super::line::read;
 use super::variable_store::{PassedArgument, PassedValue, SiemensCallLevel, SiemensVariable, VariableElement};
 use super::{Outcome, Siemens, SiemensBlockError, syntax};
 use counterpoint_control_api::host::{InterpreterHost, SubprogramCall};
@@ -255,7 +256,7 @@ impl Siemens {
             line: range.first.saturating_sub(1),
             ..host.place()
         };
-        let label = |name: &String| super::line::SiemensJumpTarget::Name(name.clone());
+        let label = |name: &String| super::item::SiemensJumpTarget::Name(name.clone());
         let first = self.label_line(host, &label(&labels.0), &at)?;
         let last = self.label_line(host, &label(&labels.1), &at)?;
         if last < first {

@@ -12,8 +12,8 @@
 //! siemens-cycles.md 1.6. *Invariant:* only programs stored with the machine have these statements; elsewhere their
 //! names are unknown, as on the control.
 
-use super::evaluate::number;
-use super::expression::SiemensArgument;
+use super::compiled::SiemensArgument;
+use super::conversions::number;
 use super::value::Data;
 use super::variable_store::VariableElement;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};

@@ -5,7 +5,7 @@
 //! they wait for and their marks; the arguments are read here. A channel may be given by its name, unless a variable
 //! has that name.
 
-use super::expression::{SiemensArgument, as_name};
+use super::compiled::{SiemensArgument, as_name};
 use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError};
 use counterpoint_control_api::host::{InterpreterHost, Operands};
@@ -152,7 +152,7 @@ impl Siemens {
         let Some(value) = self.argument(host, argument)? else {
             return wrong(format!("an argument of {statement} is missing"));
         };
-        let number = super::evaluate::number(&value)?;
+        let number = super::conversions::number(&value)?;
         if number.fract() != 0.0 || number.abs() > 1e9 {
             return wrong(format!("{} is not a valid mark or channel of {statement}", argument.text));
         }

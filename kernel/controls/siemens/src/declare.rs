@@ -6,8 +6,9 @@
 
 use counterpoint_lang::value::MacroValue;
 
-use super::define::{DeclaredVariable, Initial, LONGEST_TEXT, VariableDeclaration, VariableScope};
-use super::expression::IndexedName;
+use super::compiled::IndexedName;
+use super::declaration::{DeclaredVariable, Initial, VariableDeclaration, VariableScope};
+use super::define::LONGEST_TEXT;
 use super::value::Type;
 use super::variable_store::{MOST_IN_ALL, SiemensVariable, VariableElement, VariableStorage};
 use super::variables::declared_key;

@@ -5,33 +5,19 @@
 //! within a part in 10^12. A name that nothing knows is asked of the
 //! identification macro, then it is an alarm. Invariant: a REAL that comes out is finite.
 
-use super::expression::{Expression, IndexedName, SiemensArgument, SiemensOp, as_name, whole};
-use super::value::Data;
-use super::{Outcome, Siemens, SiemensBlockError, functions, syntax, wrong_type};
 use counterpoint_control_api::expression::{Evaluate, Stack};
 use counterpoint_control_api::host::{IdentificationAnswer, InterpreterHost};
 use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 use counterpoint_fault as diag;
 
+use super::compiled::{Expression, IndexedName, SiemensArgument, SiemensOp, as_name};
+use super::conversions::{bits, number, real, same};
+use super::expression::whole;
+use super::value::Data;
+use super::{Outcome, Siemens, SiemensBlockError, functions, syntax, wrong_type};
+
 /// Most characters of a text.
 const LONGEST: usize = 1000;
-
-/// A number that comes out of a calculation.
-pub(super) fn real(value: f64) -> Outcome<Data> {
-    if value.is_finite() {
-        Ok(Data::Real(value))
-    } else {
-        Err(SiemensBlockError::Alarm(&diag::MACRO_DOMAIN, "the result is out of range".to_owned()))
-    }
-}
-
-/// A number that an operand has to be.
-pub(super) fn number(value: &Data) -> Outcome<f64> {
-    match value.number() {
-        Some(number) => Ok(number),
-        None => wrong_type(format!("{} is not a valid number", value.described())),
-    }
-}
 
 /// The interpreter and its kernel as the source of values for expressions.
 struct SiemensEvaluator<'s> {
@@ -277,15 +263,6 @@ fn unknown(name: &str) -> SiemensBlockError {
     SiemensBlockError::Alarm(&diag::MACRO_VARIABLE, format!("variable {name} does not exist"))
 }
 
-pub(super) fn bits(value: &Data) -> Outcome<i32> {
-    let number = number(value)?.round();
-    if number.abs() <= f64::from(u32::MAX) {
-        Ok(number as i64 as i32)
-    } else {
-        wrong_type(format!("{} has more than 32 bits", value.described()))
-    }
-}
-
 fn binary(operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {
     use NumericOperator as B;
     match operator {
@@ -297,7 +274,7 @@ fn binary(operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {
             Ok(Data::Text(text))
         }
         B::Chain => {
-            let (outer, inner) = (super::variables::as_frame(left)?, super::variables::as_frame(right)?);
+            let (outer, inner) = (super::conversions::as_frame(left)?, super::conversions::as_frame(right)?);
             match outer.chain(&inner) {
                 Some(frame) => Ok(Data::Frame(Box::new(frame))),
                 None => wrong_type("the frame is out of range"),
@@ -333,11 +310,6 @@ fn calculate(operator: NumericOperator, left: &Data, right: &Data) -> Outcome<Da
         Some(value) => real(value),
         None => Err(SiemensBlockError::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
     }
-}
-
-/// Whether numbers that differ by no more than rounding are equal.
-pub(super) fn same(left: f64, right: f64) -> bool {
-    left == right || (left - right).abs() <= 1e-12 * left.abs().max(right.abs())
 }
 
 fn compare(operator: NumericOperator, left: Data, right: Data) -> Outcome<Data> {

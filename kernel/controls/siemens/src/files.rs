@@ -5,9 +5,10 @@
 //! control's names; then the programs of the calling file and of the main file (`%_N_NAME_SPF`). Invariant: letter case
 //! never counts, and of several files the first by its number is taken.
 
+use super::block_text::bare;
 use super::cursor::SiemensCursor;
-use super::jumps::bare;
-use super::line::{SiemensItem, head, read};
+use super::item::SiemensItem;
+use super::line::{head, read};
 use super::{Outcome, Siemens, SiemensBlockError};
 use counterpoint_control_api::host::{InterpreterHost, ProgramHost};
 use counterpoint_event::FileId;

@@ -5,6 +5,7 @@
 //! then scale and mirror. Invariant: all numbers are finite.
 
 use super::beside::AxisFrames;
+use super::frame_component::FrameComponent;
 use counterpoint_control_api::numeric::is_multiple;
 
 /// Places of X, Y and Z.
@@ -23,16 +24,6 @@ pub(super) struct SiemensFrame {
     fine: [f64; 3],
     mirrored: [bool; 3],
     beside: AxisFrames,
-}
-
-/// A part of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum FrameComponent {
-    Translation,
-    Fine,
-    Rotation,
-    Scale,
-    Mirror,
 }
 
 /// The parts of a frame.
@@ -70,20 +61,6 @@ impl Default for FrameComponents {
             mirror: [false; 3],
             beside: AxisFrames::default(),
         }
-    }
-}
-
-impl FrameComponent {
-    /// By its name in an index.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "TR" => Self::Translation,
-            "FI" => Self::Fine,
-            "RT" => Self::Rotation,
-            "SC" => Self::Scale,
-            "MI" => Self::Mirror,
-            _ => return None,
-        })
     }
 }
 
@@ -299,7 +276,7 @@ impl SiemensFrame {
 
     /// For messages.
     pub(super) fn text(&self) -> String {
-        self.numbers().map(super::value::shown).join(",")
+        self.numbers().map(super::number_text::shown).join(",")
     }
 }
 

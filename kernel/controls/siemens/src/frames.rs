@@ -8,8 +8,9 @@
 use rustc_hash::FxHashMap;
 
 use super::beside::{AxisFrame, AxisFrames};
-use super::expression::{IndexedName, SiemensArgument};
-use super::frame::{FrameComponent, FrameComponents, SPACE, SiemensFrame};
+use super::compiled::{IndexedName, SiemensArgument};
+use super::frame::{FrameComponents, SPACE, SiemensFrame};
+use super::frame_component::FrameComponent;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use counterpoint_control_api::host::{InterpreterHost, NO_OFFSET};
@@ -103,7 +104,7 @@ pub(super) fn with_part(
     value: &Data,
 ) -> Outcome<SiemensFrame> {
     let mut parts = parts(frame)?;
-    parts.set(axis, part, super::evaluate::number(value)?);
+    parts.set(axis, part, super::conversions::number(value)?);
     match parts.frame() {
         Some(frame) => Ok(frame),
         None => wrong_type("the frame is out of range"),
@@ -140,7 +141,7 @@ impl Siemens {
                 None => None,
             };
             let Some(value) = value else { return syntax(format!("{name} needs a value for each axis")) };
-            made.set(axis, part, super::evaluate::number(&value)?);
+            made.set(axis, part, super::conversions::number(&value)?);
         }
         match made.frame() {
             Some(frame) => Ok(Some(Data::Frame(Box::new(frame)))),
@@ -243,7 +244,7 @@ impl Siemens {
         let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
         let rest = name.index.get(used..).unwrap_or_default();
         let frame = if rest.is_empty() {
-            super::variables::as_frame(value.clone())?
+            super::conversions::as_frame(value.clone())?
         } else {
             let (axis, part) = self.frame_part(host, rest)?;
             with_part(&self.current(host, number, name.name != "$P_UIFR"), axis, part, value)?

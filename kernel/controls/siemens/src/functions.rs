@@ -4,7 +4,7 @@
 //! Decisions: ATAN2 is above −180 up to 180; BOUND(least, most, value); ROUND rounds halves away from zero, ROUNDUP to
 //! the next larger whole number. Invariant: an argument outside its domain is an alarm.
 
-use super::evaluate::{bits, number, real, same};
+use super::conversions::{bits, number, real, same};
 use super::frame::{cosine, sine, turn};
 use super::value::Data;
 use super::{Outcome, SiemensBlockError, syntax};

@@ -7,20 +7,21 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
-
-use super::cursor::SiemensCursor;
-use super::line::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure, head, read};
-use super::value::Data;
-use super::{Outcome, Siemens, SiemensBlockError};
 use counterpoint_control_api::host::{InterpreterHost, ProgramHost, ProgramPlace};
-use counterpoint_control_api::text::without_comment;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::kept::CachedTable;
 use counterpoint_program::search::{LabelSearchOrder, Labels};
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::source::ProgramSource;
+use rustc_hash::FxHashMap;
+
+use super::block_text::{bare, unmarked};
+use super::cursor::SiemensCursor;
+use super::item::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure};
+use super::line::{head, read};
+use super::value::Data;
+use super::{Outcome, Siemens, SiemensBlockError};
 
 /// The items to be found in a file.
 #[derive(Debug, Default)]
@@ -57,19 +58,6 @@ enum StructureMark {
     Open(ControlStructure),
     Else,
     Close(ControlStructure),
-}
-
-/// A block as the search sees it: without marks of optional skip and comment.
-pub(super) fn bare(text: &str) -> &str {
-    without_comment(unmarked(text))
-}
-
-fn unmarked(text: &str) -> &str {
-    let mut text = text.trim_start();
-    while let Some(rest) = text.strip_prefix('/') {
-        text = rest.strip_prefix(|c: char| c.is_ascii_digit()).unwrap_or(rest).trim_start();
-    }
-    text
 }
 
 /// Start of the text of a block after its marks of optional skip.
@@ -303,7 +291,7 @@ impl Siemens {
     ) -> Outcome<Cow<'l, SiemensJumpTarget>> {
         let value = match label {
             SiemensJumpTarget::Name(name) if self.variables.knows(name) => {
-                let name = super::expression::IndexedName { name: name.clone(), index: Vec::new() };
+                let name = super::compiled::IndexedName { name: name.clone(), index: Vec::new() };
                 self.read(host, &name)?
             }
             SiemensJumpTarget::Value(expression) => self.evaluate(host, expression)?,
@@ -311,7 +299,7 @@ impl Siemens {
         };
         let text = match value {
             Data::Text(text) => text.trim().trim_end_matches(':').to_ascii_uppercase(),
-            other => super::value::shown(super::evaluate::number(&other)?),
+            other => super::number_text::shown(super::conversions::number(&other)?),
         };
         let digits = text.strip_prefix(['N', ':']).unwrap_or(&text);
         Ok(Cow::Owned(match digits.parse() {

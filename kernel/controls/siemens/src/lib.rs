@@ -11,12 +11,16 @@ mod along;
 mod archive;
 mod beside;
 mod beside_words;
+mod block_text;
 mod branches;
 mod calls;
+mod compiled;
 mod contours;
 mod control;
+mod conversions;
 mod coordination;
 mod cursor;
+mod declaration;
 mod declare;
 mod define;
 mod defines;
@@ -25,10 +29,12 @@ mod evaluate;
 mod expression;
 mod files;
 mod frame;
+mod frame_component;
 mod frames;
 mod functions;
 mod groups;
 mod held;
+mod item;
 mod jumps;
 mod left;
 mod line;
@@ -36,6 +42,7 @@ mod meanings;
 mod messages;
 mod modal;
 mod moves;
+mod number_text;
 mod orientation;
 mod outline;
 mod own_block;
@@ -127,7 +134,7 @@ pub(crate) struct Siemens {
     /// DEFINE: texts for names.
     defines: defines::Defines,
     /// Blocks that were read.
-    read: LineCache<Result<line::SiemensLine, String>>,
+    read: LineCache<Result<item::SiemensLine, String>>,
     /// Labels and loops of files.
     places: TableCache<FileId, jumps::SiemensFileIndex>,
     /// Where subprograms are, by calling file and name.

@@ -4,7 +4,7 @@
 //! they stop the channel. *Invariant:* a shown text is a text of the program, never an expression that could be
 //! evaluated.
 
-use super::expression::{SiemensArgument, as_name};
+use super::compiled::{SiemensArgument, as_name};
 use super::left::SiemensRemainder;
 use super::{Outcome, Siemens, SiemensBlockError, syntax};
 use counterpoint_control_api::host::InterpreterHost;
@@ -48,11 +48,11 @@ impl Siemens {
     pub(super) fn set_alarm(&mut self, host: &mut dyn InterpreterHost, arguments: &[SiemensArgument]) -> Outcome<()> {
         let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
         let number = match self.argument(host, first)? {
-            Some(value) => super::evaluate::number(&value)?,
+            Some(value) => super::conversions::number(&value)?,
             None => return syntax("SETAL needs the number of an alarm"),
         };
         if number.fract() != 0.0 || !(60_000.0..70_000.0).contains(&number) {
-            let number = super::value::shown(number);
+            let number = super::number_text::shown(number);
             return super::wrong_type(format!("SETAL sets alarms 60000 to 69999, not {number}"));
         }
         let text = match arguments.get(1) {

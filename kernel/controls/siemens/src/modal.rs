@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use super::calls::Calling;
+use super::item::SiemensItem;
 use super::left::SiemensRemainder;
-use super::line::SiemensItem;
 use super::syntax;
 use super::variable_store::PassedArgument;
 use super::{Outcome, Siemens};

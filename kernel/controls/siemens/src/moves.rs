@@ -4,9 +4,9 @@
 //! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* every
 //! ignored statement is reported.
 
-use super::expression::{Expression, IndexedName, SiemensArgument};
+use super::compiled::{Expression, IndexedName, SiemensArgument};
+use super::item::AssignmentValue;
 use super::left::SiemensRemainder;
-use super::line::AssignmentValue;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
@@ -30,8 +30,8 @@ impl Siemens {
         left: &mut SiemensRemainder,
     ) -> Outcome<()> {
         let AssignmentValue::One(value, _) = value else { return syntax("G[…] takes the number of a function") };
-        let group = super::evaluate::number(&self.evaluate(host, group)?)?;
-        let number = super::evaluate::number(&self.evaluate(host, value)?)?;
+        let group = super::conversions::number(&self.evaluate(host, group)?)?;
+        let number = super::conversions::number(&self.evaluate(host, value)?)?;
         match super::groups::written(group as i64, number as i64)
             .filter(|_| group.fract() == 0.0 && number.fract() == 0.0)
         {
@@ -67,7 +67,7 @@ impl Siemens {
             return wrong_type(format!("the channel has no axis {axis}"));
         };
         let AssignmentValue::One(value, _) = value else { return syntax("FGREF takes a radius") };
-        let radius = super::evaluate::number(&self.evaluate(host, value)?)?;
+        let radius = super::conversions::number(&self.evaluate(host, value)?)?;
         if radius.is_nan() || radius <= 0.0 {
             return wrong_type(format!("the radius {radius} of FGREF is not above 0"));
         }

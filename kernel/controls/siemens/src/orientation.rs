@@ -13,8 +13,8 @@
 //! option.
 
 use super::aims::Vector;
-use super::evaluate::number;
-use super::expression::SiemensArgument;
+use super::compiled::SiemensArgument;
+use super::conversions::number;
 use super::frame::SiemensFrame;
 use super::left::SiemensRemainder;
 use super::value::Data;

@@ -5,11 +5,12 @@
 
 use rustc_hash::FxHashSet;
 
-use super::expression::{self, Expression, as_name};
-use super::jumps::{is_head, shown};
-use super::line::{
-    AssignmentValue, JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure, read,
+use super::compiled::{Expression, SiemensArgument, as_name};
+use super::item::{
+    AssignmentValue, JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, SiemensLine, Structure,
 };
+use super::jumps::{is_head, shown};
+use super::line::read;
 use super::run::skipped;
 use super::value::Data;
 use super::{Outcome, Siemens};
@@ -214,7 +215,7 @@ impl SiemensOutlineReader {
         settled(self.siemens.program(programs, name))
     }
 
-    fn argument(&self, argument: &expression::SiemensArgument) -> StatementArgument {
+    fn argument(&self, argument: &SiemensArgument) -> StatementArgument {
         let Ok(Some(expression)) = &argument.value else { return StatementArgument::Computed };
         match (expression.as_constant(), as_name(expression)) {
             (Some(Data::Text(text)), _) => StatementArgument::Text(text.clone()),

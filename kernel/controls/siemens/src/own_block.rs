@@ -5,7 +5,7 @@
 //! WAITM, WAITMC), WAITS, FGROUP, MSG, STOPRE and calls of the user's subprograms are not refused: they occur beside
 //! moves. *Invariant:* a block that is refused moves nothing.
 
-use super::line::SiemensItem;
+use super::item::SiemensItem;
 
 /// Procedures of the control.
 const PROCEDURES: [&str; 22] = [

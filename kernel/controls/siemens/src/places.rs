@@ -3,8 +3,8 @@
 //! *Invariant:* the parts cover the words, unless other words have replaced them or joined them. A word that replaces
 //! others has the place of the word with its name, otherwise that of the whole block.
 
-use super::line::SiemensLine;
-use super::value::is_number;
+use super::item::SiemensLine;
+use super::number_text::is_number;
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_control_api::interpreter::Remaining;
 use counterpoint_control_api::words::{Leaving, LeftValue, Meanings, Span, part, span};

@@ -8,9 +8,9 @@
 //! move of the block. Limits of single axes have no effect, with a warning if they would change times. *Invariant:*
 //! group 1, the type of the feed and F of the path do not change.
 
-use super::expression::{IndexedName, SiemensArgument, as_name};
+use super::compiled::{IndexedName, SiemensArgument, as_name};
+use super::item::AssignmentValue;
 use super::left::SiemensRemainder;
-use super::line::AssignmentValue;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
@@ -51,7 +51,7 @@ impl Siemens {
         };
         if name.name == "FA" {
             let AssignmentValue::One(value, _) = value else { return syntax("FA takes a feed") };
-            let feed = super::evaluate::number(&self.evaluate(host, value)?)?;
+            let feed = super::conversions::number(&self.evaluate(host, value)?)?;
             if feed < 0.0 {
                 return wrong_type(format!("the feed {feed} of axis {axis} is below 0 (alarm 14810)"));
             }
@@ -120,7 +120,7 @@ impl Siemens {
             }
         }
         let AssignmentValue::One(value, _) = value else { return syntax(format!("{} takes a number", name.name)) };
-        super::evaluate::number(&self.evaluate(host, value)?)?;
+        super::conversions::number(&self.evaluate(host, value)?)?;
         if name.name != "ATOL" {
             let asked = self.written(host, name)?;
             super::moves::ignore_dynamics(host, &asked);

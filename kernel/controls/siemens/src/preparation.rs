@@ -10,9 +10,10 @@
 //! of column 7 are left out with them. *Invariant:* a table that cannot hold the contour is an alarm before anything is
 //! written.
 
-use super::expression::{SiemensArgument, as_name};
-use super::jumps::bare;
-use super::line::{SiemensItem, read};
+use super::block_text::bare;
+use super::compiled::{SiemensArgument, as_name};
+use super::item::SiemensItem;
+use super::line::read;
 use super::value::{Data, Type};
 use super::variable_store::VariableElement;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};

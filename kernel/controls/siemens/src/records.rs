@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use super::expression::SiemensArgument;
+use super::compiled::SiemensArgument;
 use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;

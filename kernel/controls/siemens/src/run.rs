@@ -6,9 +6,11 @@
 
 use std::sync::Arc;
 
-use super::expression::{Expression, IndexedName, SiemensArgument, as_name, whole};
+use super::compiled::{Expression, IndexedName, SiemensArgument, as_name};
+use super::expression::whole;
+use super::item::{AssignmentValue, SiemensItem, SiemensLine};
 use super::left::SiemensRemainder;
-use super::line::{AssignmentValue, SiemensItem, SiemensLine, read};
+use super::line::read;
 use super::places::{are_plain, leave_as_text, push_block_number};
 use super::unknown_names::{lacks, limit, words_address};
 use super::value::Data;
@@ -238,7 +240,7 @@ impl Siemens {
             SiemensItem::Shared { text, .. } if host.is_code_text(text) => left.add(text),
             SiemensItem::Shared { statement, operands, .. } => {
                 statement.execute(host, operands, |host, operand| match self.argument(host, operand)? {
-                    Some(value) => super::evaluate::number(&value),
+                    Some(value) => super::conversions::number(&value),
                     None => syntax("an argument is missing"),
                 })?;
             }

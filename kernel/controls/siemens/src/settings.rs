@@ -6,7 +6,8 @@
 
 use counterpoint_lang::value::MacroValue;
 
-use super::expression::{Expression, IndexedName, as_name, whole};
+use super::compiled::{Expression, IndexedName, as_name};
+use super::expression::whole;
 use super::value::Data;
 use counterpoint_control_api::interpreter::SettingOutcome;
 

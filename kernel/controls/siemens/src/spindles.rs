@@ -6,9 +6,9 @@
 //! than the master takes effect at its SETMS, since LIMS concerns the cutting speed of the master spindle. *Invariant:*
 //! a block has one oriented stop of a spindle.
 
-use super::expression::{Expression, IndexedName, SiemensArgument};
+use super::compiled::{Expression, IndexedName, SiemensArgument};
+use super::item::{AssignmentValue, PositionMode, SiemensItem};
 use super::left::SiemensRemainder;
-use super::line::{AssignmentValue, PositionMode, SiemensItem};
 use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
@@ -56,14 +56,14 @@ impl Siemens {
             ("LIMS", [index]) if host.is_register("LIMS=") => {
                 let spindle = self.spindle_of(host, Some(index))?;
                 let AssignmentValue::One(value, _) = value else { return syntax("LIMS[n] takes a speed") };
-                let limit = super::evaluate::number(&self.evaluate(host, value)?)?;
+                let limit = super::conversions::number(&self.evaluate(host, value)?)?;
                 self.limit_spindle(host, spindle, limit, left)?;
                 Ok(true)
             }
             (address, []) if left.speed_is_other => {
                 let Some(spindle) = numbered_speed(address) else { return Ok(false) };
                 let AssignmentValue::One(value, _) = value else { return syntax(format!("{address} takes a speed")) };
-                let value = super::evaluate::number(&self.evaluate(host, value)?)?;
+                let value = super::conversions::number(&self.evaluate(host, value)?)?;
                 if spindle == self.master(host)? {
                     left.add(&format!("S{}", Data::Real(value).word()));
                     return Ok(true);
@@ -122,7 +122,7 @@ impl Siemens {
             AssignmentValue::Positioned(way, value, _) => (*way, value),
             AssignmentValue::List(_) | AssignmentValue::Fill(_) => return syntax("SPOS takes an angle"),
         };
-        let value = super::evaluate::number(&self.evaluate(host, value)?)?;
+        let value = super::conversions::number(&self.evaluate(host, value)?)?;
         if value.abs() > 1e9 {
             return wrong_type("the angle of SPOS is out of range");
         }
@@ -197,10 +197,10 @@ impl Siemens {
             // The only spindle is the master spindle.
             None => return Ok(true),
             Some(number) if number == 1.0 && !has_others => return Ok(true),
-            Some(number) => format!("SC_MASTER{}", super::value::shown(number)),
+            Some(number) => format!("SC_MASTER{}", super::number_text::shown(number)),
         };
         if !host.is_code_text(&word) {
-            let number = number.map_or_else(String::new, super::value::shown);
+            let number = number.map_or_else(String::new, super::number_text::shown);
             return wrong_type(format!("the channel has no spindle {number} for SETMS"));
         }
         let limit = number.and_then(|number| self.held.limits.remove(&(number as i64)));

@@ -3,9 +3,10 @@
 //! Facts: reference control-emulator.md 5.4. Invariant: a label stays a name until the block runs, since a variable of
 //! type STRING may have that name.
 
+use super::compiled::Expression;
 use super::cursor::{SiemensCursor, in_name};
-use super::expression::{Expression, arguments, expression, unexpected};
-use super::line::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
+use super::expression::{arguments, expression, unexpected};
+use super::item::{JumpDirection, SiemensItem, SiemensJump, SiemensJumpTarget, Structure};
 use super::value::Data;
 
 pub(super) const JUMPS: [(&str, JumpDirection); 5] = [

@@ -8,8 +8,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::expression::IndexedName;
-use super::line::AssignmentValue;
+use super::compiled::IndexedName;
+use super::item::AssignmentValue;
 use super::value::{Data, Type};
 use super::{Outcome, Siemens, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
@@ -199,7 +199,7 @@ impl Siemens {
     ) -> Outcome<bool> {
         if let Some(side) = WorkAreaSetting::named(&name.name) {
             let letter = self.area_axis(host, name)?;
-            let number = super::evaluate::number(value)?;
+            let number = super::conversions::number(value)?;
             let (limit, counts) = if side.enable { (None, Some(number != 0.0)) } else { (Some(number), None) };
             host.effect();
             return Ok(host.set_area_side(&letter, side.high, limit, counts));

@@ -5,8 +5,8 @@
 //! since a block is read when it starts; the run time of the program is the simulated time of the channel. Invariant:
 //! an unknown variable is none, so that it is reported.
 
-use super::evaluate::number;
-use super::expression::{IndexedName, as_name};
+use super::compiled::{IndexedName, as_name};
+use super::conversions::number;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use counterpoint_control_api::host::InterpreterHost;

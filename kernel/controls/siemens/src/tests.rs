@@ -1,9 +1,12 @@
 //! Expressions and blocks without a kernel.
 
-use super::expression::{Expression, Op, whole};
+use super::compiled::{Expression, Op};
+use super::expression::whole;
 use super::frame::{FrameComponents, SiemensFrame};
-use super::line::{SiemensItem, head, read};
-use super::value::{Data, Type, shown};
+use super::item::SiemensItem;
+use super::line::{head, read};
+use super::number_text::shown;
+use super::value::{Data, Type};
 use super::{cursor::SiemensCursor, needs_interpreter, settings::named};
 use counterpoint_control_api::numeric::NumericOperator;
 

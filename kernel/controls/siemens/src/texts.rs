@@ -4,8 +4,9 @@
 //! Decision: places count characters. Invariant: no result is longer than its operands, except for the widths of
 //! SPRINT.
 
-use super::evaluate::number;
-use super::value::{Data, shown};
+use super::conversions::number;
+use super::number_text::shown;
+use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;

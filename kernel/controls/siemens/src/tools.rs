@@ -5,8 +5,8 @@
 //! lengths are says the machine: its identification macro answers `$P_SCLENGTHS`. *Invariant:* a wear that the machine
 //! has no axis for is unknown, so that it is reported.
 
-use super::evaluate::number;
-use super::expression::IndexedName;
+use super::compiled::IndexedName;
+use super::conversions::number;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;

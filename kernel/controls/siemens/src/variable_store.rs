@@ -4,13 +4,13 @@
 
 use std::borrow::Cow;
 
+use counterpoint_control_api::call_stack::CallStack;
 use counterpoint_event::FileId;
 use counterpoint_motion::contour::area::ClearingArea;
 use rustc_hash::FxHashMap;
 
-use super::frame::FrameComponent;
+use super::frame_component::FrameComponent;
 use super::value::{Data, Type};
-use counterpoint_control_api::call_stack::CallStack;
 
 /// Most elements of all variables of a kernel.
 pub(super) const MOST_IN_ALL: usize = 1_000_000;
@@ -269,3 +269,6 @@ impl SiemensVariable {
         Self { kind, sizes: Vec::new(), values: vec![value], born: (0, 0) }
     }
 }
+
+/// Largest number of an R parameter.
+pub(super) const MOST_PARAMETERS: i64 = 32_535;

@@ -4,19 +4,16 @@
 //! program, in the channel, and in the data that all channels share. Invariants: data that all channels share go
 //! through the host; an index is checked before anything is read or written.
 
-use counterpoint_lang::value::MacroValue;
-
-use super::expression::{Expression, IndexedName, SiemensArgument, as_name};
-use super::frame::{FrameComponent, SiemensFrame};
-use super::line::AssignmentValue;
-use super::value::{Data, Type};
-use super::variable_store::{VariableElement, VariableStorage};
-use super::{Outcome, Siemens, SiemensBlockError, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_fault as diag;
+use counterpoint_lang::value::MacroValue;
 
-/// Largest number of an R parameter.
-pub(super) const MOST_PARAMETERS: i64 = 32_535;
+use super::compiled::{Expression, IndexedName, SiemensArgument, as_name};
+use super::frame_component::FrameComponent;
+use super::item::AssignmentValue;
+use super::value::{Data, Type};
+use super::variable_store::{MOST_PARAMETERS, VariableElement, VariableStorage};
+use super::{Outcome, Siemens, SiemensBlockError, wrong_type};
 
 /// Key of the data that all channels share about a variable itself.
 pub(super) fn declared_key(name: &str) -> String {
@@ -327,13 +324,5 @@ impl VariableElement {
     /// An element this many after this one.
     pub(super) fn element(&self, behind: usize) -> Self {
         Self { at: self.at + behind, whole: false, ..self.clone() }
-    }
-}
-
-/// A frame that a value has to be.
-pub(super) fn as_frame(value: Data) -> Outcome<SiemensFrame> {
-    match value {
-        Data::Frame(frame) => Ok(*frame),
-        other => wrong_type(format!("{} is not a frame", other.described())),
     }
 }

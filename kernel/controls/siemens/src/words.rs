@@ -8,11 +8,13 @@
 use std::borrow::Cow;
 
 use super::aims::Aim;
-use super::evaluate::{number, words_name};
-use super::expression::{IndexedName, SiemensArgument, as_name};
+use super::compiled::{IndexedName, SiemensArgument, as_name};
+use super::conversions::number;
+use super::evaluate::words_name;
+use super::item::{AssignmentValue, PositionMode, Width};
 use super::left::SiemensRemainder;
-use super::line::{AssignmentValue, PositionMode, Width};
-use super::value::{Data, is_number, shown};
+use super::number_text::{is_number, shown};
+use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError};
 use counterpoint_control_api::host::{AxisPlace, InterpreterHost};
 use counterpoint_control_api::words::Meanings;

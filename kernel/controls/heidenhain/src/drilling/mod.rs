@@ -10,18 +10,17 @@ mod pecking;
 mod tapping;
 mod words;
 
-use counterpoint_fault::Halt;
-
-use super::Heidenhain;
-use super::eval::Evaluator;
-use super::flow;
-use super::formula::{ParameterKind, QParameter};
-use super::path::RadiusCompensation;
-use super::variables::ParameterValue;
 use counterpoint_control_api::host::InterpreterHost;
 use counterpoint_control_api::interpreter::MadeBlocks;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+use super::eval::Evaluator;
+use super::path_state::RadiusCompensation;
+use super::q_parameter::{ParameterKind, ParameterValue, QParameter};
+use super::{Heidenhain, flow};
+
 pub(super) use words::HoleWords;
 
 /// Maximum infeeds of a hole.

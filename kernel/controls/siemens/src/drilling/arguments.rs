@@ -3,7 +3,7 @@
 //! Facts: reference siemens-cycles.md 1: an omitted argument is 0. *Invariant:* every argument has the type of its
 //! parameter. Texts, which name thread tables for dialogs, have the number 0.
 
-use super::super::define::ProcHeader;
+use super::super::declaration::ProcHeader;
 use super::super::variable_store::PassedArgument;
 
 /// Arguments of a call.

@@ -3,7 +3,7 @@
 //! Facts: reference siemens-cycles.md 1. CYCLE86 orients the spindle and moves the tool off the wall before the
 //! retract. CYCLE87 and CYCLE88 stop the spindle and the program at the depth. CYCLE89 retracts at feed.
 
-use super::super::value::shown;
+use super::super::number_text::shown;
 use super::super::{Outcome, SiemensBlockError};
 use super::SiemensHoleBuilder;
 use counterpoint_fault as diag;

@@ -5,9 +5,9 @@
 
 use super::super::Outcome;
 use super::super::expression::whole;
+use super::super::number_text::shown;
 use super::super::syntax;
 use super::super::system::plane;
-use super::super::value::shown;
 use super::SiemensHoleBuilder;
 use super::words::HoleAxes;
 
@@ -144,7 +144,7 @@ impl SiemensHoleBuilder<'_> {
             self.alarm(61000, "no tool offset is active")?;
         }
         let angle = whole("$TC_DP24[$P_TOOLNO,$P_TOOL]").or_else(syntax)?;
-        let angle = super::super::evaluate::number(&self.siemens.evaluate(self.host, &angle)?)?;
+        let angle = super::super::conversions::number(&self.siemens.evaluate(self.host, &angle)?)?;
         if angle <= 0.0 || angle > 180.0 {
             let angle = shown(angle);
             let text = format!("the angle of the tool's tip ($TC_DP24) is {angle}, expected above 0 and up to 180");

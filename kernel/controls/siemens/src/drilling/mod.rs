@@ -16,8 +16,8 @@ mod words;
 use std::sync::Arc;
 
 use super::calls::{Calling, mismatch};
-use super::define::ProcHeader;
-use super::expression::IndexedName;
+use super::compiled::IndexedName;
+use super::declaration::ProcHeader;
 use super::{Outcome, Siemens};
 use arguments::DrillingArguments;
 use counterpoint_control_api::host::InterpreterHost;
@@ -150,7 +150,7 @@ impl SiemensHoleBuilder<'_> {
     /// Reads a numeric system variable.
     fn variable(&mut self, name: &str) -> Outcome<f64> {
         let name = IndexedName { name: name.to_owned(), index: Vec::new() };
-        super::evaluate::number(&self.siemens.read(self.host, &name)?)
+        super::conversions::number(&self.siemens.read(self.host, &name)?)
     }
 
     /// CYCLE81(RTP, RFP, SDIS, DP, DPR, DTB, _GMODE, _DMODE, _AMODE).

@@ -4,9 +4,9 @@
 //! retract out of the hole.
 
 use super::super::Outcome;
-use super::super::evaluate::same;
+use super::super::conversions::same;
 use super::super::groups;
-use super::super::value::shown;
+use super::super::number_text::shown;
 use super::{MOST_STROKES, NEGLIGIBLE, SiemensHoleBuilder};
 
 /// G group of the unit of length: 1 is G70, 3 is G700.

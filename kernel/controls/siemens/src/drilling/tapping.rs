@@ -4,7 +4,7 @@
 //! is the hand of the thread.
 
 use super::super::Outcome;
-use super::super::value::shown;
+use super::super::number_text::shown;
 use super::{MOST_STROKES, NEGLIGIBLE, SiemensHoleBuilder};
 
 /// Nominal sizes below which the coarse lead is this.
