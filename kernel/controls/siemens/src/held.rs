@@ -28,6 +28,8 @@ pub(super) struct StatementState {
     pub(super) spindle: Option<f64>,
     /// Limits of speed of spindles that are not the master, by number.
     pub(super) limits: FxHashMap<i64, f64>,
+    /// Ratios of COUPDEF, by the numbers of the following and the leading spindle.
+    pub(super) couplings: FxHashMap<(u8, u8), f64>,
     /// How the tool turns along the path.
     pub(super) turning: OrientationInterpolation,
     /// CONTPRON without its EXECUTE.

@@ -19,6 +19,7 @@ mod contours;
 mod control;
 mod conversions;
 mod coordination;
+mod coupled_spindles;
 mod cursor;
 mod declaration;
 mod declare;

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::compiled::{Expression, IndexedName, SiemensArgument, as_name};
+use super::coupled_spindles;
 use super::expression::whole;
 use super::item::{AssignmentValue, SiemensItem, SiemensLine};
 use super::left::SiemensRemainder;
@@ -375,7 +376,9 @@ impl Siemens {
         if is_statement || self.reset_orientation(host, name, arguments, left)? {
             return Ok(());
         }
-        if self.master_spindle(host, name, arguments, left)? {
+        if self.master_spindle(host, name, arguments, left)?
+            || coupled_spindles::statement(self, host, name, arguments, left)?
+        {
             return Ok(());
         }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
