@@ -36,6 +36,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-lathe",
             "fanuc-lathe-b",
             "fanuc-lathe-c",
+            "fanuc-lathe-subspindle",
             "fanuc-mill",
             "fanuc-mill-4axis",
             "fanuc-mill-5axis",
