@@ -6,12 +6,22 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use counterpoint_control_api::{NotThere, is_vacant};
+use counterpoint_event::event::{Motion, Position, ToolAction};
 use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::rows::CodeRow;
+use counterpoint_program::block::{PendingCode, RetrievedValue};
+use counterpoint_sync::shared::SpindleCommand;
+use counterpoint_sync::wait;
+use counterpoint_sync::wait::Wait;
+use counterpoint_waits::coupling::CoupledPair;
 
 use crate::channel::Kernel;
 use crate::channel::actions::Action;
-use crate::channel::flow::Callee;
-use crate::channel::flow::Pending;
+use crate::channel::callee::{Callee, Pending};
 use crate::channel::plan::DataSource;
 use crate::state::channel::ChannelContext;
 use crate::state::coupling::Parking;
@@ -20,16 +30,6 @@ use crate::state::figure::CopiedFigure;
 use crate::state::frames::offsets::OffsetTable;
 use crate::state::spindle::SpindleRotation;
 use crate::state::turning::ContourCycle;
-use counterpoint_control_api::{NotThere, is_vacant};
-use counterpoint_event::event::{Motion, Position, ToolAction};
-use counterpoint_machine::ident::{CodeId, DataId};
-use counterpoint_machine::index::AxisSlot;
-use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::rows::CodeRow;
-use counterpoint_program::block::{PendingCode, RetrievedValue};
-use counterpoint_sync::shared::SpindleCommand;
-use counterpoint_sync::wait::{self, Wait};
-use counterpoint_waits::coupling::CoupledPair;
 
 /// The effect of a code on its channel.
 pub(crate) trait CodeAction: Debug + Sync {

@@ -2,15 +2,16 @@
 //!
 //! Facts: reference control-emulator.md 6.6, system-variables.md 7. Decisions: docs/emulation.md, "Offsets".
 
+use counterpoint_event::event::{Kind, OffsetKind};
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_program::block::ContourEnd;
 
+use super::tool_offsets::take_diameter;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::compensation::number_of;
-use counterpoint_event::event::{Kind, OffsetKind};
-use counterpoint_fault::Acted;
-use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_program::block::ContourEnd;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -88,13 +89,4 @@ pub(super) fn vector(act: &mut ActionContext<'_, '_>) -> Acted {
     super::cutter::switched(act, codes::COMP_3D_VECTOR)?;
     act.channel_mut().emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
     Ok(())
-}
-
-/// Takes the number of a diameter offset; the last one stays.
-pub(super) fn take_diameter(act: &mut ActionContext<'_, '_>) -> Option<f64> {
-    let number = act.take(data::COMP_DIAM).map(|datum| datum.value);
-    if let Some(number) = number.filter(|number| (0.0..=999_999.0).contains(number)) {
-        act.channel_mut().state.remembered.remember(data::COMP_DIAM, number);
-    }
-    number
 }

@@ -3,16 +3,17 @@
 //! Facts: reference turning-cycles.md 10.2, siemens-cycles.md 2. Decisions: docs/emulation.md, "Cylindrical
 //! interpolation". *Invariant:* the axes stay where they are when it begins and ends.
 
-use crate::act::ActionContext;
-use crate::action::entry::ActionEntry;
-use crate::state::frames::polar::PolarInterpolation;
-use crate::state::modal::{group, plane};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
+
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
+use crate::state::frame_transforms::PolarInterpolation;
+use crate::state::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -109,14 +110,4 @@ fn radius(act: &mut ActionContext<'_, '_>) -> Option<Given> {
     let unit = act.channel().unit_factor(Dimension::Length);
     let mut named = axes.into_iter().filter(|(_, axis)| axis.is_some());
     named.find_map(|(id, axis)| Some((act.take(id)?.value * unit, axis, false)))
-}
-
-/// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.
-pub(super) fn in_plane(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> bool {
-    let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
-    let role = |axis: AxisSlot| {
-        let y = if axis == polar.rotary { Some(1) } else { None };
-        y.or_else(|| act.channel().state.place.layout.cartesian.iter().position(|own| *own == Some(axis)))
-    };
-    !polar.cartesian || polar.axes().map(role) == [Some(plane.first), Some(plane.second)]
 }

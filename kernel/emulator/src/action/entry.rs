@@ -3,13 +3,12 @@
 //! *Invariant:* no two entries take the same code.
 
 use counterpoint_fault::Acted;
-
-use super::{cutter, cycle};
-use crate::act::{ActionContext, CodeAction};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
+
+use crate::act::ActionContext;
 
 /// Action of a code, with its row and its written form.
 pub(crate) type ActFn = fn(&mut ActionContext<'_, '_>, &CodeRow, &PendingCode) -> Acted;
@@ -42,10 +41,10 @@ pub(crate) enum CompensationEffect {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ActionEntry {
     codes: CodeSelector,
-    act: ActFn,
+    pub(super) act: ActFn,
     /// A motion code of the program, which meets an active cycle.
-    moves: bool,
-    contour: CompensationEffect,
+    pub(super) moves: bool,
+    pub(super) contour: CompensationEffect,
 }
 
 impl ActionEntry {
@@ -75,22 +74,6 @@ impl ActionEntry {
             CodeSelector::Listed(codes) => codes.contains(&id),
             CodeSelector::OfKind(takes) => takes(id.kind()),
         }
-    }
-}
-
-impl CodeAction for ActionEntry {
-    #[inline]
-    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
-        if act.channel().state.cycle.running && self.moves && !code.modal {
-            cycle::meets_motion(act)?;
-        }
-        if act.channel().state.place.frames.is_some() {
-            cutter::before(act, self.contour, row.id)?;
-        }
-        if self.moves && self.contour == CompensationEffect::Follows && cutter::has_words(act, row.id) {
-            return cutter::with_words(act, row.id, |act| (self.act)(act, row, code));
-        }
-        (self.act)(act, row, code)
     }
 }
 

@@ -2,10 +2,6 @@
 //!
 //! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
-use super::offset_words::{in_machine_frame, length_changed, put_length};
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -13,6 +9,11 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisId, BySlot};
 use counterpoint_program::block::PendingCode;
+
+use super::offset_words::{in_machine_frame, length_changed, put_length};
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::state::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -147,14 +148,6 @@ pub(super) fn length(act: &mut ActionContext<'_, '_>, sign: f64, set: u8) -> Act
         length_changed(act);
     }
     Ok(())
-}
-
-/// Length compensation that another code brings along.
-pub(super) fn length_on(act: &mut ActionContext<'_, '_>, number: u32) {
-    put_length(act, 1.0, number);
-    act.channel_mut()
-        .emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
-    act.reframe();
 }
 
 impl ActionContext<'_, '_> {

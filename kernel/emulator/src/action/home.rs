@@ -2,19 +2,20 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::channel::ChannelContext;
-use crate::state::position::ChannelAxis;
-use crate::trace::{self, ACTION};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::habits::Home;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::channel::ChannelContext;
+use crate::state::channel_axis::ChannelAxis;
+use crate::trace;
+use crate::trace::ACTION;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

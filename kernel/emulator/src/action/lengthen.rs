@@ -5,14 +5,15 @@
 //! distances to circle centres change like those to their ends (examples of the same section). *Invariant:* only the
 //! words of the block change, before its motion takes them.
 
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::modal::group;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::BySlot;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -26,7 +27,7 @@ const CENTERS: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_
 
 /// Lengthens the distances of the block by a multiple of the offset.
 fn lengthen(act: &mut ActionContext<'_, '_>, times: f64) -> Acted {
-    super::compensation::take_diameter(act);
+    super::tool_offsets::take_diameter(act);
     if act.channel().state.cycle.running {
         return Ok(());
     }

@@ -3,23 +3,23 @@
 //! Facts: reference control-emulator.md 6.7. *Invariant:* the machine does not move; the programmed point changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
-use counterpoint_lang::format::wildcard_text;
-
-use crate::act::ActionContext;
-use crate::action::cutter;
-use crate::action::entry::{ActionEntry, entry_of_kind};
-use crate::action::local_beside as beside;
-use crate::state::frames::FrameTransforms;
-use crate::state::modal::group;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::local::FrameChange;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::beside::Lines;
 use counterpoint_motion::frame::local::{FrameError, LocalFramePart, Programmed};
+
+use crate::act::ActionContext;
+use crate::action::cutter;
+use crate::action::entry::{ActionEntry, entry_of_kind};
+use crate::action::local_beside as beside;
+use crate::state::frame_transforms::FrameTransforms;
+use crate::state::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -7,6 +7,7 @@ mod arc;
 mod area;
 mod beside;
 mod change_point;
+mod circular_move;
 mod clamp;
 mod compensation;
 mod coolant;
@@ -18,6 +19,7 @@ mod cylinder;
 mod dwell;
 mod engrave;
 pub(crate) mod entry;
+mod execute;
 mod feeds;
 mod figure;
 mod frame;
@@ -51,15 +53,17 @@ mod tilt;
 mod time;
 mod tip;
 mod tool;
+mod tool_offsets;
 mod turned;
 mod turning;
+
+use counterpoint_machine::ident::CodeId;
+use entry::ActionEntry;
 
 use crate::act::ActionContext;
 use crate::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
 use crate::channel::paired_spindles;
 use crate::state::turning::ContourTask;
-use counterpoint_machine::ident::CodeId;
-use entry::ActionEntry;
 
 /// The registry.
 static ENTRIES: &[&[ActionEntry]] = &[

@@ -1,14 +1,14 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use counterpoint_event::event::{Kind, OffsetKind, TimedFunction};
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::{CodeId, data};
+use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -58,7 +58,7 @@ pub(super) fn exact_stop_block(act: &mut ActionContext<'_, '_>) -> Acted {
 pub(super) fn diameter(act: &mut ActionContext<'_, '_>, side: &'static str, code: CodeId) -> Acted {
     // A code that ends compensation needs no number.
     let asks = side != "off" || act.block_has(data::COMP_DIAM);
-    let number = if asks { super::compensation::take_diameter(act) } else { None };
+    let number = if asks { super::tool_offsets::take_diameter(act) } else { None };
     if act.channel().acting.mode_changed || number.is_some() {
         let text = format!("comp diam {side}");
         let mode = match number.filter(|_| side != "off") {

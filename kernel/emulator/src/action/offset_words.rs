@@ -4,12 +4,13 @@
 //! another offset in a block without the code. Facts: B-63844EN/02 14.1.1 and 14.1.2 (H, G28, G30, G53), parameters
 //! 5001#6 and 5006#6; Haas 96-8000, G28. *Invariant:* a word that a code of the block takes is left to that code.
 
-use crate::act::ActionContext;
-use crate::state::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
+
+use crate::act::ActionContext;
+use crate::state::modal::group;
 
 /// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
 /// bit each.
@@ -38,7 +39,7 @@ pub(crate) fn select(act: &mut ActionContext<'_, '_>, free: u128) -> Acted {
     if queued || act.channel().is_turning() || !has(act, data::COMP_DIAM) {
         return Ok(());
     }
-    let Some(number) = super::compensation::take_diameter(act) else { return Ok(()) };
+    let Some(number) = super::tool_offsets::take_diameter(act) else { return Ok(()) };
     super::cutter::resized(act, code)?;
     let text = format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number));
     act.channel_mut().emit(0, Kind::compensation(text, OffsetKind::Diameter, number));
@@ -50,7 +51,7 @@ pub(crate) fn select(act: &mut ActionContext<'_, '_>, free: u128) -> Acted {
 pub(super) fn put_length(act: &mut ActionContext<'_, '_>, sign: f64, number: u32) {
     let before = act.channel().state.place.in_force;
     if sign != 0.0 && (before.length_sign == 0.0 || before.length_number != number) {
-        super::tool::missing_among_listed(act, number);
+        super::tool_offsets::missing_among_listed(act, number);
     }
     act.channel_mut().state.place.in_force.set_length(sign, number);
 }
@@ -101,4 +102,12 @@ fn take_off(act: &mut ActionContext<'_, '_>, axes: u8) {
     if act.channel().state.place.tip().is_none() && act.channel_mut().take_length_off(axes) {
         act.reframe();
     }
+}
+
+/// Length compensation that another code brings along.
+pub(super) fn length_on(act: &mut ActionContext<'_, '_>, number: u32) {
+    put_length(act, 1.0, number);
+    act.channel_mut()
+        .emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
+    act.reframe();
 }

@@ -7,6 +7,11 @@
 //! other, and ends there, above the start; the compensation of its block ends with it. *Invariant:* no move comes
 //! nearer to the outline than the radius of the tool.
 
+use counterpoint_event::event::FeedUnit;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::area::ClearingArea;
 use counterpoint_motion::contour::clearing::{Clearing, begun_where};
@@ -14,16 +19,11 @@ use counterpoint_motion::contour::closed::{ClosedContour, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot};
 
 use crate::act::ActionContext;
-use crate::action::arc::CircularMove;
+use crate::action::circular_move::CircularMove;
 use crate::action::entry::ActionEntry;
-use crate::action::{compensation, cutter, turned};
+use crate::action::{cutter, turned};
 use crate::state::modal::{group, plane};
 use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour};
-use counterpoint_event::event::FeedUnit;
-use counterpoint_fault as diag;
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::POCKET], |act, _, _| pocket(act))];
@@ -38,7 +38,7 @@ fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
     let steps = [data::POCKET_STEP_X, data::POCKET_STEP_Y].map(&mut value);
     let finish = value(data::POCKET_FINISH).unwrap_or(0.0);
     let (level, clear) = (value(data::POCKET_LEVEL), value(data::POCKET_CLEAR));
-    compensation::take_diameter(act);
+    super::tool_offsets::take_diameter(act);
     let feed = act.feed();
     let (coded, target) = act.programmed_targets();
     let Some((plane, z)) = axes(act) else { return refuse(act, "the plane of X and Y is not active") };

@@ -5,23 +5,24 @@
 
 use std::f64::consts::TAU;
 
-use counterpoint_motion::arc as geometry;
-
-use super::arc::CircularMove;
-use super::time::TimedPath;
-use crate::act::ActionContext;
-use crate::action::entry::ActionEntry;
-use crate::state::alarms::STRAIGHT;
-use crate::state::frames::polar::{PolarInterpolation, round_the_centre};
-use crate::state::position::ChannelAxis;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::arc as geometry;
 use counterpoint_program::block::RetrievedValue;
+
+use super::circular_move::CircularMove;
+use super::time::TimedPath;
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
+use crate::state::alarm_effect::STRAIGHT;
+use crate::state::channel_axis::ChannelAxis;
+use crate::state::frame_transforms::PolarInterpolation;
+use crate::state::frames::polar::round_the_centre;
+use crate::state::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -124,7 +125,7 @@ pub(super) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, cl
     let made = match made {
         Ok(made) => made,
         Err(error) => {
-            super::arc::not_made(act, error);
+            super::circular_move::not_made(act, error);
             return act.feed_to(coded, to, feed, unit);
         }
     };
@@ -135,7 +136,7 @@ pub(super) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, cl
     }
     let local =
         act.channel().state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
-    if polar.is_cylinder() && !(local.is_none_or(|map| map.is_shift()) && super::cylinder::in_plane(act, &polar)) {
+    if polar.is_cylinder() && !(local.is_none_or(|map| map.is_shift()) && in_plane(act, &polar)) {
         let text = format!(
             "the circle of '{}' is not in the plane of the cylinder's surface, or a frame turns, scales or mirrors it",
             act.channel().block_text()
@@ -259,4 +260,14 @@ impl ActionContext<'_, '_> {
             self.tool_path(changes)
         }
     }
+}
+
+/// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.
+pub(super) fn in_plane(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> bool {
+    let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
+    let role = |axis: AxisSlot| {
+        let y = if axis == polar.rotary { Some(1) } else { None };
+        y.or_else(|| act.channel().state.place.layout.cartesian.iter().position(|own| *own == Some(axis)))
+    };
+    !polar.cartesian || polar.axes().map(role) == [Some(plane.first), Some(plane.second)]
 }

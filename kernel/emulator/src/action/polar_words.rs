@@ -3,15 +3,16 @@
 //! *Invariant:* only words of target positions are read so; words of presets, offsets, frames and centres keep their
 //! meaning. Decisions: docs/emulation.md, "Polar coordinate command".
 
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::frames::words::PolarWords;
-use crate::state::modal::{group, plane};
 use counterpoint_event::event::Position;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_program::block::RetrievedValue;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::frame_transforms::PolarWords;
+use crate::state::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

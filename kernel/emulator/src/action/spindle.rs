@@ -4,18 +4,17 @@
 //! command: the last writer in tag order wins, with a warning when no sync point lies between). A shared spindle is
 //! reached only through shared operations; an own one is plain state of the act.
 
+use counterpoint_event::event::SpindleDirection;
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_sync::shared::SpindleCommand;
 
-use super::spindles::{commanded, no_head};
+use super::spindles::{commanded, driver};
 use crate::act::ActionContext;
 use crate::action::cutter;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use counterpoint_event::event::SpindleDirection;
-use counterpoint_fault as diag;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::data;
-use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_sync::shared::SpindleCommand;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -76,13 +75,6 @@ fn with_speed_owner(
     commanded(act, number, action)
 }
 
-/// Removes from the block the data that a code without a spindle would have used.
-pub(super) fn drop_data(act: &mut ActionContext<'_, '_>) {
-    for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
-        act.take(id);
-    }
-}
-
 /// Constant surface speed on.
 pub(super) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
     let speed = take_speed(act, true);
@@ -117,15 +109,6 @@ pub(super) fn limit(act: &mut ActionContext<'_, '_>) -> Acted {
         return Ok(());
     };
     act.command_spindle(|c| c.limit = value)
-}
-
-/// The channel whose X drives constant surface speed.
-pub(super) fn driver(act: &mut ActionContext<'_, '_>, channel: u16) -> Acted {
-    if !act.channel().env.machine.channels.iter().any(|known| known.number == channel) {
-        return no_head(act, f64::from(channel));
-    }
-    act.channel_mut().state.others.spindles.driver = Some(channel);
-    act.command_spindle(|c| c.driver = channel)
 }
 
 /// The radius at which the surface speed counts, regardless of X; zero or less = at X again.

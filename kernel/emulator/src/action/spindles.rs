@@ -5,13 +5,13 @@
 //! `ActionContext::command_spindle` commands. Commands of the channel for its other spindles are kept here, unless another channel
 //! can command them too.
 
-use crate::act::ActionContext;
-use crate::action::entry::ActionEntry;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::{codes, data};
+
+use crate::act::ActionContext;
+use crate::action::entry::ActionEntry;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -56,7 +56,7 @@ pub(super) fn commanded(
         if id.is_none() {
             let text = format!("the machine has no spindle {number} for '{}'", act.channel().block_text());
             act.diagnose(&diag::NO_SPINDLE, text);
-            super::spindle::drop_data(act);
+            drop_data(act);
             return Ok(());
         }
         id
@@ -77,7 +77,7 @@ pub(super) fn driver_by_id(act: &mut ActionContext<'_, '_>) -> Acted {
     };
     let known = act.channel().env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
     match known.map(|channel| channel.number) {
-        Some(channel) => super::spindle::driver(act, channel),
+        Some(channel) => driver(act, channel),
         None => no_head(act, id),
     }
 }
@@ -88,4 +88,20 @@ pub(super) fn no_head(act: &mut ActionContext<'_, '_>, id: f64) -> Acted {
     let text = format!("head {id} for constant surface speed not found in '{}'", act.channel().block_text());
     act.diagnose(&diag::NO_HEAD, text);
     Ok(())
+}
+
+/// Removes from the block the data that a code without a spindle would have used.
+pub(super) fn drop_data(act: &mut ActionContext<'_, '_>) {
+    for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
+        act.take(id);
+    }
+}
+
+/// The channel whose X drives constant surface speed.
+pub(super) fn driver(act: &mut ActionContext<'_, '_>, channel: u16) -> Acted {
+    if !act.channel().env.machine.channels.iter().any(|known| known.number == channel) {
+        return no_head(act, f64::from(channel));
+    }
+    act.channel_mut().state.others.spindles.driver = Some(channel);
+    act.command_spindle(|c| c.driver = channel)
 }

@@ -3,15 +3,10 @@
 //! Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc G68.2 and G53.1. *Invariant:* a block that says
 //! no plane makes none. Decisions: docs/emulation.md, "Tilted planes".
 
-use counterpoint_lang::format::wildcard_text;
-
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, entry_of_kind};
-use crate::action::retract::{go, rate, retract};
-use crate::state::frames::tilt::{PartialPlane, Turned};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::local::FrameChange;
 use counterpoint_machine::ident::kind::plane::{PlaneDefinition, Tilt};
@@ -20,7 +15,13 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::local::LocalFramePart;
 use counterpoint_motion::frame::orient::OrientationError;
-use counterpoint_motion::frame::plane::{self, UNITS};
+use counterpoint_motion::frame::plane;
+use counterpoint_motion::frame::plane::UNITS;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
+use crate::action::retract::{go, rate, retract};
+use crate::state::frame_transforms::{PartialPlane, Turned};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] =

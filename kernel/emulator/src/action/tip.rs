@@ -2,10 +2,6 @@
 //!
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
-use super::frame;
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, entry_of_kind};
-use crate::state::frames::clean;
 use counterpoint_event::event::{Kind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -15,6 +11,10 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::DirectionDefault;
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, TurnChoice};
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, entry_of_kind};
+use crate::state::frames::clean;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -44,7 +44,7 @@ const NAMES: [&str; 6] = ["axes", "vector", "2pt", "rpy", "euler", "custom"];
 pub(super) fn on(act: &mut ActionContext<'_, '_>, method: u8) -> Acted {
     let number = act.take(data::COMP_LENGTH).map(|d| d.value).filter(|n| (0.0..=999_999.0).contains(n));
     if let Some(number) = number {
-        frame::length_on(act, number as u32);
+        super::offset_words::length_on(act, number as u32);
     }
     let follow = act.take(data::TIP_FEED).map(|feed| feed.value).filter(|feed| *feed > 0.0);
     let was = act.channel_mut().end_tip();

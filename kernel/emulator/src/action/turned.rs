@@ -4,20 +4,20 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane do not give a circle: that is reported, and the end is reached straight.
 
-use counterpoint_machine::index::BySlot;
-use counterpoint_motion::arc as geometry;
-use nalgebra::Vector3;
-
-use super::arc::CircularMove;
-use crate::act::ActionContext;
-use crate::state::alarms::STRAIGHT;
-use crate::state::modal::{Plane, plane};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::BySlot;
+use counterpoint_motion::arc as geometry;
 use counterpoint_motion::frame::affine::{Affine, Point};
+use nalgebra::Vector3;
+
+use super::circular_move::CircularMove;
+use crate::act::ActionContext;
+use crate::state::alarm_effect::STRAIGHT;
+use crate::state::modal::{Plane, plane};
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;

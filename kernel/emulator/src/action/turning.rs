@@ -4,13 +4,14 @@
 //! Decisions: half a turn goes to the positive side; zero has the positive sign; a word of the angle at which the axis
 //! stands does not turn it. Positions continue beyond 360 degrees, codes that unwind bring them back.
 
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::clamps::Modulo;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::RotaryPositioning;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect};
+use crate::state::clamps::Modulo;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -24,7 +25,7 @@ const SHORTEST: u16 = 151;
 /// Switches the shorter path on or off for rotary axes that have no limits and take positions.
 fn shortest(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let axes: Vec<AxisSlot> = {
-        let takes = |(_, axis): &(AxisSlot, &crate::state::position::ChannelAxis)| {
+        let takes = |(_, axis): &(AxisSlot, &crate::state::channel_axis::ChannelAxis)| {
             axis.rotary
                 && axis.limits.is_none()
                 && act.channel().env.machine.axes[axis.machine].turn == RotaryPositioning::Position

@@ -5,14 +5,16 @@
 //! programs, and from calls by number, never from a file name. *Invariant:* reading changes nothing. Facts: reference
 //! fanuc-variables-and-alarms.md 1.5.
 
+use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::index::BySlot;
+
 use super::Kernel;
-use super::flow::{Callee, RunningProgram};
+use super::callee::Callee;
+use super::flow::RunningProgram;
 use crate::channel::system_variables;
 use crate::state::channel::ChannelContext;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::{feed_of, group};
-use counterpoint_machine::ident::dimension::Dimension;
-use counterpoint_machine::index::BySlot;
 
 /// Addresses that an operator wants to see, in the order of a screen.
 const SHOWN: &[u8] = b"ONDHFSTM";

@@ -14,13 +14,13 @@ use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_sync::shared::{Coupled, CoupledPosition};
 use counterpoint_sync::wait::Wait;
+use counterpoint_waits::coupling::{CoupledAxis, CoupledPair, CouplingKind};
 
 use super::Kernel;
 use crate::state::ChannelMemory;
+use crate::state::channel_axis::TravelBounds;
 use crate::state::coupling::{Coupling, Parking, slots};
 use crate::state::position::MotionState;
-use crate::state::position::TravelBounds;
-use counterpoint_waits::coupling::{CoupledAxis, CoupledPair, CouplingKind};
 
 /// Where two channels meet.
 #[derive(Debug, Clone, Copy)]

@@ -6,14 +6,15 @@
 //! skip; it is used only where nothing acts that each block may meet (a modal call, a code that acts again, paths
 //! beside a contour).
 
-use super::Kernel;
-use super::actions::ActionTable;
-use super::flow::{Callee, Pending};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::rows::Modality;
 use counterpoint_machine::tables::form_range;
+
+use super::Kernel;
+use super::actions::ActionTable;
+use super::callee::{Callee, Pending};
 
 /// Request of a kept block at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]

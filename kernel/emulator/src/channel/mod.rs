@@ -9,6 +9,7 @@ pub(crate) mod actions;
 mod addresses;
 mod alone;
 mod burden;
+pub(crate) mod callee;
 mod calls;
 pub mod carried;
 mod code_time;
@@ -57,6 +58,11 @@ mod wait;
 use components::Components;
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::SearchMemory;
+use counterpoint_machine::model::Channel as MachineChannel;
+use counterpoint_program::block::Block;
+use counterpoint_sync::order::Order;
+use counterpoint_sync::tag::Tag;
+use counterpoint_waits::rules;
 use dialect_state::DialectState;
 use flow::ProgramFlow;
 use parts::{Ports, Setup};
@@ -70,11 +76,6 @@ use crate::state::channel::{Acting, BlockText, ChannelContext, Reports};
 use crate::state::context::BlockContext;
 use crate::state::emitter::Emitter;
 use crate::state::pace::FeedPlanner;
-use counterpoint_machine::model::Channel as MachineChannel;
-use counterpoint_program::block::Block;
-use counterpoint_sync::order::Order;
-use counterpoint_sync::tag::Tag;
-use counterpoint_waits::rules;
 
 /// The kernel of one channel.
 pub struct Kernel<'a> {

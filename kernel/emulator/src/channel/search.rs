@@ -4,17 +4,11 @@
 //! machine, then (this project's choice) other places. These are files beside the program that are named after the
 //! number, and all files of the job that define a program of the number.
 
-use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::MacroValue;
-use rustc_hash::FxHashMap;
-
-use super::Kernel;
-use super::flow::Callee;
-use crate::macros::store;
-use crate::state::channel::ChannelContext;
 use counterpoint_event::event::FileId;
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::Placement;
@@ -25,8 +19,10 @@ use counterpoint_program::layout::opening;
 use counterpoint_program::scan::ScanResult;
 use counterpoint_program::shape::ProgramRange;
 
-/// Lines of a file by label, ascending.
-pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
+use super::Kernel;
+use super::callee::{Callee, Labels};
+use crate::macros::store;
+use crate::state::channel::ChannelContext;
 
 /// A place to look in. The names of files are made when their turn comes.
 #[derive(Debug, Clone, Copy)]

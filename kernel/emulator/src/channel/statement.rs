@@ -5,14 +5,15 @@
 
 use std::sync::Arc;
 
-use counterpoint_fault::Acted;
-
-use super::Kernel;
-use super::flow::{Callee, RunningProgram};
 use counterpoint_control_api::{Interpreter, Remaining, SubprogramCall};
 use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
 use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;
+
+use super::Kernel;
+use super::callee::Callee;
+use super::flow::RunningProgram;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.

@@ -14,7 +14,7 @@ use counterpoint_program::block::Word;
 
 use super::Kernel;
 use crate::state::channel::ChannelContext;
-use crate::state::position::FIRST_AXES;
+use crate::state::channel_axis::FIRST_AXES;
 
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);

@@ -4,20 +4,20 @@
 
 use std::sync::Arc;
 
+use counterpoint_event::event::{Kind, Listing};
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::MacroValue;
+use counterpoint_program::block::Block;
 
 use crate::channel::Kernel;
-use crate::channel::flow::Pending;
+use crate::channel::callee::Pending;
 use crate::channel::hook_points::BlockOrigin;
 use crate::host::block;
 use crate::macros::issued::Later;
 use crate::state::burden;
 use crate::state::channel::Acting;
 use crate::state::context::BlockContext;
-use counterpoint_event::event::{Kind, Listing};
-use counterpoint_fault as diag;
-use counterpoint_program::block::Block;
 
 /// A block that another one within it interrupts.
 struct Outer {

@@ -6,21 +6,21 @@
 //! of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of
 //! the job.
 
-use crate::state::text;
-use counterpoint_fault::{Acted, Halt};
-
-use counterpoint_lang::value::MacroValue;
-
-use crate::channel::Kernel;
-use crate::channel::flow::{CallRecord, Callee, Pending};
-use crate::macros::calls::{OutputTask, TICKS};
 use counterpoint_event::event::FileId;
 use counterpoint_event::info::JobFile;
 use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::ProgramRange;
+
+use crate::channel::Kernel;
+use crate::channel::callee::{Callee, Pending};
+use crate::channel::flow::CallRecord;
+use crate::macros::calls::{OutputTask, TICKS};
+use crate::state::text;
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, ProgramRange)>;

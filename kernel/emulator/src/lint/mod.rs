@@ -6,15 +6,13 @@
 //! reported. *Invariant:* blocks take no time, the number of blocks that are read is bounded, and an unknown effect
 //! never counts as good.
 
+mod region;
 mod regions;
 mod statements;
 mod unknown;
 mod words;
 
-use crate::state::at::BlockPlace;
 use std::sync::Arc;
-
-use rustc_hash::{FxHashMap, FxHashSet};
 
 use counterpoint_control_api::outline::{OutlineReader, OutlineStep};
 use counterpoint_event::event::FileId;
@@ -24,9 +22,11 @@ use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_program::scan::ScanResult as Split;
 use counterpoint_program::spot::BlockStart;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::channel::Kernel;
-use crate::channel::flow::Pending;
+use crate::channel::callee::Pending;
+use crate::state::at::BlockPlace;
 
 /// Begins an expression or statement of the macro language within a block.
 const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];

@@ -3,30 +3,23 @@
 //! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. An
 //! effect that cannot be known counts as one that others notice.
 
-use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
+use counterpoint_control_api::Coordination as _;
 use counterpoint_control_api::outline::{CallOutline, JumpDestination, OutlineStep};
 use counterpoint_event::event::FileId;
 use counterpoint_fault::Halt;
 use counterpoint_program::shape::ProgramRange;
-use counterpoint_program::spot::BlockStart;
 
+use super::region::{Looked, Meant, ProgramRegion, before};
 use super::statements::computed;
-use super::words::Meant;
 use super::{Linter, MOST, Outline};
-use crate::channel::flow::{Callee, RunningProgram};
-use counterpoint_control_api::Coordination as _;
+use crate::channel::callee::Callee;
+use crate::channel::flow::RunningProgram;
+use crate::state::at::BlockPlace;
 
 /// Most calls within each other that are looked through.
 const DEEP: usize = 32;
-
-/// Lines of the running program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct ProgramRegion {
-    pub(super) first: u32,
-    pub(super) last: u32,
-}
 
 /// Meaning of a block for its part.
 enum RegionEffect {
@@ -213,19 +206,6 @@ impl Linter<'_, '_> {
             (frame.next, frame.offset) = next;
         }
     }
-}
-
-/// The last line before a block; its own where others are before it in the line.
-pub(super) fn before(target: BlockStart) -> u32 {
-    if target.offset > 0 { target.line } else { target.line.saturating_sub(1) }
-}
-
-/// The findings in a part.
-pub(super) enum Looked {
-    /// The part is clear; with the lines that its jumps add to it.
-    Clear(ProgramRegion),
-    /// Something is in this line.
-    At(u32),
 }
 
 /// Where a channel is.

@@ -14,8 +14,8 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::spot::BlockStart;
 
 use super::Linter;
-use super::regions::{Looked, ProgramRegion, before};
-use crate::channel::flow::Pending;
+use super::region::{Looked, ProgramRegion, before};
+use crate::channel::callee::Pending;
 
 impl Linter<'_, '_> {
     /// Follows the steps of a block in their order.

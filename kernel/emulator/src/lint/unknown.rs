@@ -3,12 +3,12 @@
 //! *Invariant:* each word is reported once per channel, at the first block that has it, and never ends the walk: one
 //! look at a program shows all of them.
 
+use counterpoint_control_api::outline::OutlineStep;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 
-use super::regions::ProgramRegion;
+use super::region::{Certain, ProgramRegion};
 use super::{Linter, Outline};
-use counterpoint_control_api::outline::OutlineStep;
 
 /// Macros of these see the text of blocks and may change it.
 const BLOCK_HOOKS: [Hook; 4] =
@@ -80,13 +80,4 @@ impl Linter<'_, '_> {
             kernel.report_unknown_parts(&mut self.unknown, certain.computed);
         }
     }
-}
-
-/// Known properties of a block besides its words.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Certain {
-    /// It calls a program, to which its words are arguments.
-    pub(super) calls: bool,
-    /// It has words whose values are computed, so that a code may have the word that it needs.
-    pub(super) computed: bool,
 }

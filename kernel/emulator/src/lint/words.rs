@@ -10,8 +10,8 @@ use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
 use super::Linter;
-use super::unknown::Certain;
-use crate::channel::flow::{Callee, Pending};
+use super::region::{Certain, Meant};
+use crate::channel::callee::{Callee, Pending};
 
 /// Codes at which channels wait or let each other continue.
 const MEETINGS: [CodeId; 15] = [
@@ -35,18 +35,6 @@ const MEETINGS: [CodeId; 15] = [
 const CALLS: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RANGE, codes::FIGURE_TURN, codes::FIGURE_SHIFT];
 /// Codes that end a program.
 const ENDS: [CodeId; 3] = [codes::CALSUB_RETURN, codes::END, codes::REWIND];
-
-/// The effect of the words of a block.
-pub(super) enum Meant {
-    /// Nothing for the flow and for others.
-    Nothing,
-    /// They call this.
-    Call(Callee),
-    /// They end the program.
-    End,
-    /// They act on other channels, or their effect is computed.
-    Meet,
-}
 
 impl Linter<'_, '_> {
     /// Words of a text act; `computed`: names of words of the block whose values are computed.

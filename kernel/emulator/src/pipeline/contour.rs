@@ -6,13 +6,8 @@
 //! a contour that is a subprogram. Facts: reference turning-cycles.md 1.3. Decision: macros of the machine do not see
 //! blocks that are read.
 
-use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
-use crate::channel::Kernel;
-use crate::channel::flow::{CallRecord, Callee, RunningProgram};
-use crate::state::modal::group;
-use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 use counterpoint_control_api::SubprogramCall;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
@@ -21,6 +16,13 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::spot::BlockStart;
+
+use crate::channel::Kernel;
+use crate::channel::callee::Callee;
+use crate::channel::flow::{CallRecord, RunningProgram};
+use crate::state::at::BlockPlace;
+use crate::state::modal::group;
+use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 
 /// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;

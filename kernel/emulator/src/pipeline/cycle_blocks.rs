@@ -4,16 +4,18 @@
 //! messages name the calling block, and a step executes the whole cycle.
 //! *Invariant:* every block is executed like a block of the program, with the same limits, code macros and times.
 
-use crate::state::text;
 use std::sync::Arc;
 
-use crate::channel::flow::{CallRecord, Pending};
-use crate::channel::{Kernel, cycle_moves};
 use counterpoint_control_api::{CycleWord, MadeBlocks, MadeWord, WordHost};
 use counterpoint_event::FileId;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::ProgramRange;
+
+use crate::channel::callee::Pending;
+use crate::channel::flow::CallRecord;
+use crate::channel::{Kernel, cycle_moves};
+use crate::state::text;
 
 impl Kernel<'_> {
     /// Executes a resident program that is a cycle of the control; false if the program is ordinary.

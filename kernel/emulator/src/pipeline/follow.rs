@@ -4,16 +4,18 @@
 
 use std::sync::Arc;
 
-use crate::channel::Kernel;
-use crate::channel::custom_macro::CallingWord;
-use crate::channel::flow::{Callee, Pending, RunningProgram};
-use crate::state::figure::CopiedFigure;
 use counterpoint_control_api as dialect;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::model::MainReturn;
 use counterpoint_program::spot::BlockStart;
+
+use crate::channel::Kernel;
+use crate::channel::callee::{Callee, Pending};
+use crate::channel::custom_macro::CallingWord;
+use crate::channel::flow::RunningProgram;
+use crate::state::figure::CopiedFigure;
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.

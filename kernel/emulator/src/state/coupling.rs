@@ -1,9 +1,9 @@
 //! Axes of the channel that are coupled with axes of other channels.
 
 use counterpoint_machine::index::AxisSlot;
-
-use super::position::ChannelAxis;
 use counterpoint_waits::coupling::{CoupledPair, CouplingKind};
+
+use super::channel_axis::ChannelAxis;
 
 /// Which of both axes does not move in synchronous control (Fanuc L).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

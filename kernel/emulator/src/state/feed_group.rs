@@ -13,7 +13,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot, IdTable};
 use counterpoint_machine::model::AxisRole;
 
 use super::channel::ChannelContext;
-use super::position::ChannelAxis;
+use super::channel_axis::ChannelAxis;
 
 /// Smaller changes count as zero.
 const NOISE: f64 = 1e-9;

@@ -3,6 +3,7 @@
 //! *Invariant:* nothing here knows the kernel, its plan or its actions; one box holds the data that few machines use,
 //! and the block loop never looks into it for functions that a machine does not use.
 
+pub(crate) mod alarm_effect;
 pub(crate) mod alarms;
 pub(crate) mod arc;
 pub(crate) mod area;
@@ -10,6 +11,7 @@ pub(crate) mod at;
 pub(crate) mod beside;
 pub(crate) mod burden;
 pub mod channel;
+pub(crate) mod channel_axis;
 pub(crate) mod clamps;
 pub(crate) mod compensation;
 pub(crate) mod context;
@@ -21,6 +23,7 @@ pub(crate) mod cycle;
 pub mod emitter;
 pub(crate) mod feed_group;
 pub(crate) mod figure;
+pub(crate) mod frame_transforms;
 pub(crate) mod frames;
 pub(crate) mod modal;
 pub(crate) mod pace;
@@ -118,7 +121,7 @@ pub(crate) struct RareState {
     /// Tool tip control.
     pub(crate) tip: frames::tip::TipSettings,
     /// A tilted plane to come.
-    pub(crate) tilt: frames::tilt::PlanePreferences,
+    pub(crate) tilt: frame_transforms::PlanePreferences,
     /// Number of the active head.
     pub(crate) head: u32,
     /// Turning cycles.
@@ -161,7 +164,7 @@ impl RareState {
             coolant: coolant::CoolantState::default(),
             spindles: spindle::Spindles::new(machine, channel),
             tip: frames::tip::TipSettings::default(),
-            tilt: frames::tilt::PlanePreferences::default(),
+            tilt: frame_transforms::PlanePreferences::default(),
             head: if side { 2 } else { 1 },
             turning: turning::TurningState::new(machine),
             before_change: None,

@@ -8,9 +8,9 @@ use counterpoint_motion::lookahead::LookAheadMove;
 
 use super::ChannelMemory;
 use super::channel::ChannelContext;
+use super::channel_axis::ChannelAxis;
 use super::modal::group;
 use super::pace::{FeedMove, NOISE};
-use super::position::ChannelAxis;
 use super::times::MoveTimes;
 
 /// The move for the look-ahead; `None` if the path stops before and after it.

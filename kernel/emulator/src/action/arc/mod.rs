@@ -11,26 +11,26 @@ mod tangent;
 
 pub(super) use define::{define_center, define_direction, define_radius};
 
+use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::arc::{ArcDefinition, ArcForm};
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::paths::{Helix, MultiTurnCircles};
 use counterpoint_motion::arc as geometry;
+use counterpoint_program::block::PendingCode;
 
+use super::circular_move::{CircularMove, not_made};
 use super::time::TimedPath;
 use super::turned;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::alarms::STRAIGHT;
+use crate::state::alarm_effect::STRAIGHT;
 use crate::state::cutter::{MoveShape, ProgrammedMove};
 use crate::state::modal::{Plane, group, plane};
 use crate::state::thread::Screw;
-use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
-use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::data;
-use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::arc::{ArcDefinition, ArcForm};
-use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::paths::{Helix, MultiTurnCircles};
-use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -265,17 +265,6 @@ fn cut(
     }
 }
 
-/// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
-/// radius has no length and moves nothing in its plane.
-pub(super) fn not_made(act: &mut ActionContext<'_, '_>, error: geometry::ArcError) {
-    if error == geometry::ArcError::SamePoint && act.channel().env.machine.arcs.stands {
-        return;
-    }
-    let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
-    let text = format!("the circle cannot be made: {error} in '{}', {done}", act.channel().block_text());
-    act.diagnose(&diag::ARC_RADIUS, text);
-}
-
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt()
 }
@@ -330,23 +319,6 @@ fn check_radius(act: &mut ActionContext<'_, '_>, radius: f64) {
         let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_RADIUS, text);
     }
-}
-
-/// A circle to be made, in the frame of its points.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CircularMove {
-    /// Geometry, with full turns.
-    pub(super) made: geometry::PlaneArc,
-    pub(super) coded: u8,
-    pub(super) from: Position,
-    pub(super) to: Position,
-    /// Channel axes of its plane.
-    pub(super) axes: [AxisSlot; 2],
-    pub(super) turns: u16,
-    pub(super) feed: Option<f64>,
-    pub(super) unit: FeedUnit,
-    /// The thread that is cut along it.
-    pub(super) screw: Option<Screw>,
 }
 
 impl ActionContext<'_, '_> {

@@ -3,20 +3,20 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; an omitted coordinate is that of the start.
 
-use counterpoint_machine::index::BySlot;
-use counterpoint_motion::arc::PlaneArc;
-use counterpoint_motion::space::SpaceArc;
-
-use super::check_radius;
-use crate::act::ActionContext;
-use crate::action::time::TimedPath;
-use crate::state::alarms::STRAIGHT;
-use crate::state::modal::group;
 use counterpoint_event::event::{Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::BySlot;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::space::SpaceArc;
 use counterpoint_results::geometry::spatial;
+
+use super::check_radius;
+use crate::act::ActionContext;
+use crate::action::time::TimedPath;
+use crate::state::alarm_effect::STRAIGHT;
+use crate::state::modal::group;
 
 /// An arc by way of a point.
 pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {

@@ -3,17 +3,19 @@
 //! Facts: reference siemens-cycles.md (CT). *Invariant:* a circle that does not exist is reported, and its end reached
 //! straight unless the channel stops.
 
-use counterpoint_machine::index::{AxisSlot, BySlot as _};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::index::BySlot as _;
 use counterpoint_motion::arc as geometry;
-use counterpoint_motion::contour::tangent::{Tangent, tangent as leads};
+use counterpoint_motion::contour::tangent::Tangent;
+use counterpoint_motion::contour::tangent::tangent as leads;
 
 use super::{CircularMove, Flat, active_plane};
 use crate::act::ActionContext;
 use crate::action::turned;
-use crate::state::alarms::STRAIGHT;
+use crate::state::alarm_effect::STRAIGHT;
 use crate::state::arc::LastMove;
-use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(super) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {

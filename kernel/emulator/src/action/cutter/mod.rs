@@ -27,13 +27,13 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 use crate::act::ActionContext;
 use crate::state::channel::ChannelContext;
 use crate::state::corner::{ContourRequest, CornerRequest};
 use crate::state::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
 use crate::state::modal::{group, plane};
-use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 /// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;
@@ -158,7 +158,7 @@ fn no_radius(act: &mut ActionContext<'_, '_>, number: u32) {
     let text = if number == 0 {
         format!("no offset number is active for the compensation of '{block}', the tool moves on the contour")
     } else {
-        let subject = crate::action::tool::in_words(act, number).unwrap_or_else(|| format!("offset {number}"));
+        let subject = crate::action::tool_offsets::in_words(act, number).unwrap_or_else(|| format!("offset {number}"));
         format!("{subject} has no radius for the compensation of '{block}', the tool moves on the contour")
     };
     act.diagnose(&diag::NO_RADIUS, text);

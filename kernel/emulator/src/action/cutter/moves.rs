@@ -3,24 +3,26 @@
 //! *Invariant:* every move is an ordinary motion, made from the tool's position; `Place::position` is that of the
 //! tool's centre (on a lathe of the imaginary tip). The feed is that of this point.
 
-use counterpoint_fault::Acted;
-use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_motion::arc::PlaneArc;
 use std::f64::consts::TAU;
+
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::CornerShape;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::contour::corner;
+use counterpoint_motion::contour::corner::{CornerPath, Link, Offset};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, beside, distance, plus};
+use counterpoint_program::block::ContourEnd;
 
 use super::held::HeldShift;
 use super::{CutterCompensation, MoveShape, ProgrammedMove};
 use crate::act::ActionContext;
-use crate::action::arc::CircularMove;
+use crate::action::circular_move::CircularMove;
 use crate::state::arc::LastMove;
 use crate::state::cutter::{CompensationStage, WaitingMove};
-use counterpoint_event::event::{FeedUnit, Position};
-use counterpoint_fault as diag;
-use counterpoint_machine::ident::data;
-use counterpoint_machine::model::CornerShape;
-use counterpoint_motion::contour::corner::{self, CornerPath, Link, Offset};
-use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, beside, distance, plus};
-use counterpoint_program::block::ContourEnd;
 
 impl ActionContext<'_, '_> {
     /// A move as programmed, for circles that continue its direction.

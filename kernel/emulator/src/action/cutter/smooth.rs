@@ -13,13 +13,14 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::index::{AxisSlot, BySlot as _};
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::index::BySlot as _;
 use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, cross, distance, plus};
 
 use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove, corner};
 use crate::act::ActionContext;
-use crate::action::arc::CircularMove;
+use crate::action::circular_move::CircularMove;
 use crate::action::entry::{ActionEntry, CompensationEffect};
 use crate::state::arc::LastMove;
 use crate::state::modal::{feed_of, group, plane};

@@ -2,17 +2,17 @@
 //!
 //! *Invariant:* a move that changes no coordinate makes no motion.
 
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::codes;
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::turning::{CycleMove, MoveSink};
 
 use crate::act::ActionContext;
-use crate::action::arc::CircularMove;
+use crate::action::circular_move::CircularMove;
 use crate::action::{cutter, dwell, turned};
 use crate::state::modal::plane;
 use crate::state::turning::LathePlane;
-use counterpoint_event::event::{FeedUnit, Position};
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::ident::codes;
 
 /// A cycle that is being cut.
 pub(super) struct Cutting<'x, 'k, 'a> {

@@ -4,20 +4,21 @@
 //! It cuts each piece at its lead, and returns across and along to its previous position. *Invariant:* all pieces are
 //! threads; a pass is the contour moved towards the side from which the tool came.
 
-use counterpoint_motion::arc as geometry;
-use counterpoint_motion::contour::element::{Element, Spot};
-use counterpoint_motion::turning::{CycleMove, MoveSink as _};
-
-use super::moves::{Cutting, round};
-use crate::act::ActionContext;
-use crate::action::arc::CircularMove;
-use crate::action::cutter;
-use crate::state::thread::Screw;
-use crate::state::turning::LathePlane;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
+use counterpoint_motion::arc as geometry;
+use counterpoint_motion::contour::element::{Element, Spot};
+use counterpoint_motion::turning::CycleMove;
+use counterpoint_motion::turning::MoveSink as _;
+
+use super::moves::{Cutting, round};
+use crate::act::ActionContext;
+use crate::action::circular_move::CircularMove;
+use crate::action::cutter;
+use crate::state::thread::Screw;
+use crate::state::turning::LathePlane;
 
 /// One more pass.
 pub(super) fn pass(act: &mut ActionContext<'_, '_>) {

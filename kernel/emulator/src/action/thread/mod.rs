@@ -8,22 +8,21 @@
 mod arc;
 pub(crate) mod cycle;
 
-use counterpoint_motion::thread::Lead;
-
-use crate::act::ActionContext;
-use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::alarms::NOT_DONE;
-use crate::state::spindle::{SpindleRotation, stopped};
-use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::LeadChange;
-use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::thread::Lead;
 use counterpoint_program::block::PendingCode;
+
+use crate::act::ActionContext;
+use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::state::alarm_effect::NOT_DONE;
+use crate::state::spindle::{SpindleRotation, stopped};
+use crate::state::thread::Screw;
 
 /// Rates with a smaller difference are equal: a rapid move has exactly the rate.
 pub(in crate::action) const EVEN: f64 = 1.0 + 1e-6;

@@ -2,17 +2,16 @@
 //!
 //! Facts: reference control-emulator.md 5.4. Decision: text that cannot be an argument is reported as left over.
 
+use counterpoint_control_api::{MacroCall, WordHost};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_program::block::irregular;
 
 use super::code_calls::CallingWord;
 use super::modal::ModalCall;
 use crate::channel::Kernel;
-use crate::channel::flow::Callee;
-use crate::channel::flow::Pending;
+use crate::channel::callee::{Callee, Pending};
 use crate::channel::hook_points::BlockOrigin;
-use counterpoint_control_api::{MacroCall, WordHost};
-use counterpoint_fault as diag;
-use counterpoint_program::block::irregular;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.

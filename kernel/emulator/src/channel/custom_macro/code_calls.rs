@@ -7,18 +7,18 @@
 //! others) act as without the row, those of the other kind if the machine says so; after G66.1 words are arguments
 //! only. Invariant: a machine without such words pays one test for each block.
 
-use counterpoint_fault::Acted;
-use counterpoint_machine::index::RegisterId;
 use std::sync::Arc;
 
-use crate::channel::Kernel;
-use crate::channel::flow::Callee;
-use crate::channel::flow::Pending;
 use counterpoint_control_api::{MacroCall, NotThere};
 use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::data;
+use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{CallHow, NestedCalls, WordCall};
+
+use crate::channel::Kernel;
+use crate::channel::callee::{Callee, Pending};
 
 /// Kind of a word that calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

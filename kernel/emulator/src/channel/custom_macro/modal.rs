@@ -6,11 +6,13 @@
 //! called it and there is a G66 before that one: then its blocks call the macro of that earlier G66. G67 ends the last
 //! one; subprograms called by M98 continue calling. *Invariant:* a modal call ends with the macro that made it.
 
-use super::code_calls::CallingWord;
-use crate::channel::Kernel;
-use crate::channel::flow::{Callee, Pending, ProgramFlow};
 use counterpoint_control_api::MacroCall;
 use counterpoint_program::block::{Block, Word};
+
+use super::code_calls::CallingWord;
+use crate::channel::Kernel;
+use crate::channel::callee::{Callee, Pending};
+use crate::channel::flow::ProgramFlow;
 
 /// A macro that blocks call.
 #[derive(Debug)]

@@ -1,13 +1,13 @@
 //! Jumps, loops, calls and returns of the interpreter.
 
-use counterpoint_fault::{Acted, Halt};
-
-use crate::channel::Kernel;
-use crate::channel::flow::Pending;
 use counterpoint_control_api::{FlowHost, LoopStack, NamedContour, SubprogramCall};
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::spot::BlockStart;
+
+use crate::channel::Kernel;
+use crate::channel::callee::Pending;
 
 impl FlowHost for Kernel<'_> {
     fn go_to(&mut self, line: u32) -> Acted {

@@ -1,16 +1,16 @@
 //! Axes, frames and modes for the interpreter.
 
-use counterpoint_motion::frame::affine::Affine;
-
-use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
-use crate::state::frames::offsets::{OffsetTable, Radii};
-use crate::state::modal::{feed_of, group};
-use crate::state::position::ChannelAxis;
 use counterpoint_control_api::{AxisPlace, FrameHost, ModalSnapshot};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::frame::affine::Affine;
+
+use crate::channel::Kernel;
+use crate::state::channel::ChannelContext;
+use crate::state::channel_axis::ChannelAxis;
+use crate::state::frames::offsets::{OffsetTable, Radii};
+use crate::state::modal::{feed_of, group};
 
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.

@@ -6,12 +6,12 @@
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::value::MacroValue;
+use counterpoint_motion::frame::affine::Affine;
+use counterpoint_motion::frame::local::FrameError;
 
 use super::{Read, Write, positions};
 use crate::channel::Kernel;
-use crate::state::frames::FrameTransforms;
-use counterpoint_motion::frame::affine::Affine;
-use counterpoint_motion::frame::local::FrameError;
+use crate::state::frame_transforms::FrameTransforms;
 
 fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&FrameTransforms) -> T) -> Option<T> {
     kernel.channel.state.place.frames.as_deref().map(of)

@@ -31,15 +31,16 @@ mod travel;
 mod values;
 pub(crate) mod words;
 
+use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::beside::{AuxiliaryFrame, AxisMap, Lines, SAME};
-use counterpoint_motion::frame::local::{FrameError, LocalFrame, Programmed};
-use std::collections::BTreeMap;
+use counterpoint_motion::frame::beside::{AuxiliaryFrame, AxisMap, SAME};
+use counterpoint_motion::frame::local::FrameError;
 
 use super::channel::ChannelContext;
 use super::position::MotionState;
-use counterpoint_event::event::Position;
+use crate::state::frame_transforms::FrameTransforms;
+use crate::state::frame_transforms::PolarInterpolation;
 
 /// Differences below this are none.
 const NOISE: f64 = 1e-9;
@@ -47,40 +48,6 @@ const PER_UNIT: f64 = 1e9;
 
 /// Largest coordinate whose noise is removed.
 const FINE: f64 = 1e6;
-
-/// Transformations between the words of the program and the axes, besides the plain shift.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct FrameTransforms {
-    /// The local frame.
-    pub(crate) local: LocalFrame,
-    /// The same for axes other than X, Y and Z.
-    pub(crate) beside: Option<Box<AuxiliaryFrame>>,
-    /// Polar or cylindrical interpolation.
-    pub(crate) polar: Option<polar::PolarInterpolation>,
-    /// Words of the plane are a radius and an angle: those of the last block.
-    pub(crate) words: Option<words::PolarWords>,
-    /// A tilted plane.
-    pub(crate) tilt: Option<Box<tilt::Tilted>>,
-    /// A tilted plane whose definition is not complete.
-    pub(crate) parts: Option<Box<tilt::PartialPlane>>,
-    /// Tool tip control.
-    pub(crate) tip: Option<Box<tip::Tip>>,
-    /// Compensation of the cutter radius.
-    pub(crate) cutter: Option<Box<super::cutter::CutterCompensation>>,
-    /// All corners are rounded, with this radius.
-    pub(crate) rounding: Option<f64>,
-    /// Feeds that depend on the way.
-    pub(crate) feeds: feeds::Feeds,
-    /// Distance that incremental words travel in addition to their value, by axis.
-    pub(crate) ways: Option<Box<Position>>,
-    /// Local shifts of inactive work offsets.
-    pub(crate) shifts: Option<BTreeMap<u32, Shift>>,
-    /// The last point that the program reached: in the work frame, and as programmed.
-    reached: Option<[Position; 2]>,
-}
-
-/// A local shift of X, Y and Z, and of their parallel axes.
-pub(crate) type Shift = (Option<Programmed>, Option<Lines>);
 
 impl FrameTransforms {
     /// Whether nothing is active any more.
@@ -154,8 +121,7 @@ impl FrameTransforms {
     /// Axis that says the distance across while words are coordinates of the part.
     fn across(&self, place: &MotionState) -> Option<AxisSlot> {
         let x = place.layout.cartesian.first().copied().flatten();
-        let across =
-            |polar: &polar::PolarInterpolation| polar.cartesian && (polar.is_cylinder() || Some(polar.linear) == x);
+        let across = |polar: &PolarInterpolation| polar.cartesian && (polar.is_cylinder() || Some(polar.linear) == x);
         self.polar.filter(across).map(|polar| polar.rotary)
     }
 

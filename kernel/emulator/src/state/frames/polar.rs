@@ -7,44 +7,17 @@
 //! control-emulator.md 6.8, turning-cycles.md 10. *Invariant:* on the face the rotary axis never turns further than the
 //! move goes around the centre.
 
-use super::{FrameTransforms, NOISE, clean};
-use crate::state::channel::ChannelContext;
-use crate::state::position::MotionState;
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::turn;
 
+use super::{FrameTransforms, NOISE, clean};
+use crate::state::channel::ChannelContext;
+use crate::state::frame_transforms::{InterpolationSurface, PolarInterpolation};
+use crate::state::position::MotionState;
+
 /// Distances from the centre below this have no direction.
 const CENTRE: f64 = 1e-9;
-
-/// The axes of the interpolation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PolarInterpolation {
-    /// Channel axis that goes to the centre and away.
-    pub(crate) linear: AxisSlot,
-    /// Channel axis that turns.
-    pub(crate) rotary: AxisSlot,
-    /// Words are coordinates.
-    pub(crate) cartesian: bool,
-    shape: InterpolationSurface,
-}
-
-/// The part of the workpiece that the axes reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum InterpolationSurface {
-    Face {
-        /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
-        zero: f64,
-        /// Side of the centre where the linear axis works, 1 or −1.
-        side: f64,
-    },
-    Cylinder {
-        /// Way on the surface for each degree.
-        per_degree: f64,
-        /// The way round is the first coordinate of the plane.
-        round_first: bool,
-    },
-}
 
 /// A position of an axis without the noise of its computation; finer than a coordinate, which is computed from it
 /// again.

@@ -8,9 +8,6 @@
 //! siemens-cycles.md 2; Fanuc user's manual B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions:
 //! docs/emulation.md, "Tilted planes".
 
-use crate::state::channel::ChannelContext;
-use crate::state::position::MotionState;
-use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::Tilting;
 use counterpoint_motion::frame::affine::{Affine, Point};
@@ -21,46 +18,9 @@ use counterpoint_motion::frame::orient::{FreeAxisPolicy, OrientationError, PairR
 use counterpoint_motion::frame::plane::UNITS;
 
 use super::FrameTransforms;
-
-/// Angles of the rotary axes in the machine frame.
-pub(crate) type Turned = Vec<(AxisSlot, f64)>;
-
-/// An active plane.
-#[derive(Debug, Clone)]
-pub(crate) struct Tilted {
-    /// From the plane to the frame that the program has without it.
-    map: Affine,
-    back: Affine,
-    /// The local frame around it.
-    outer: LocalFrame,
-    /// Where the rotary axes are to be, once that is known.
-    pub(crate) angles: Option<Turned>,
-    /// Where the tables bring the part, the way back, and where the heads bring the tool; nothing before it is turned
-    /// into.
-    bring: Option<[Affine; 3]>,
-    /// Part of the shift that is the tool, by channel axis.
-    tool: Position,
-}
-
-/// The program's data for a later plane.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct PlanePreferences {
-    /// Of two solutions the one with the tilting axis on this side.
-    pub(crate) side: Option<bool>,
-    /// An axis that has nothing to do turns the plane.
-    pub(crate) table: bool,
-}
-
-/// Blocks of a definition that is not complete.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PartialPlane {
-    /// Three points, otherwise two directions.
-    pub(crate) points: bool,
-    /// Coordinates of a point and parts of a direction, by number of the block.
-    pub(crate) known: [Option<[f64; 6]>; 4],
-    /// Rotation in the end.
-    pub(crate) rotation: f64,
-}
+use crate::state::channel::ChannelContext;
+use crate::state::frame_transforms::{Tilted, Turned};
+use crate::state::position::MotionState;
 
 impl Tilted {
     /// A point of the plane in the frame without it.

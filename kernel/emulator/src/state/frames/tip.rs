@@ -3,8 +3,6 @@
 //! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow.
 //! Facts: reference control-emulator.md 6.8. *Invariant:* switching it never moves the machine.
 
-use crate::state::channel::ChannelContext;
-use crate::state::position::MotionState;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -12,15 +10,9 @@ use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 use counterpoint_motion::frame::orient::next_to;
 
-/// Active tool tip control.
-#[derive(Debug, Clone)]
-pub(crate) struct Tip {
-    pub(crate) chain: Chain<AxisSlot>,
-    /// Part of the shift that is the tool, by channel axis.
-    tool: Position,
-    /// It began with a length offset of its own and ends with it.
-    pub(crate) with_length: bool,
-}
+use crate::state::channel::ChannelContext;
+use crate::state::frame_transforms::Tip;
+use crate::state::position::MotionState;
 
 /// Settings that stay when it is switched off.
 #[derive(Debug, Clone)]
@@ -115,7 +107,7 @@ impl ChannelContext<'_> {
     /// two.
     pub(crate) fn chain(&self) -> Chain<AxisSlot> {
         let settings = &self.state.others.tip;
-        let joint = |(slot, axis): (AxisSlot, &crate::state::position::ChannelAxis)| {
+        let joint = |(slot, axis): (AxisSlot, &crate::state::channel_axis::ChannelAxis)| {
             let own = &self.env.machine.axes[axis.machine];
             let made = Joint { axis: slot, vector: own.vector, center: own.center };
             let chosen = settings.chosen.is_empty() || settings.chosen.contains(&slot);

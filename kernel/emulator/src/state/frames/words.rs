@@ -3,23 +3,13 @@
 //! *Invariant:* nothing is remembered but the words of the last block, for holes that repeat it: a word that is missing
 //! is that of the place where the tool is. Decisions: docs/emulation.md, "Polar coordinate command".
 
+use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{direction, plus};
 
 use super::clean;
+use crate::state::frame_transforms::PolarWords;
 use crate::state::position::MotionState;
-use counterpoint_event::event::Position;
-
-/// A word, and whether it is a distance.
-pub(crate) type Word = (f64, bool);
-
-/// The words of a block.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct PolarWords {
-    pub(crate) radius: Option<Word>,
-    /// Degrees.
-    pub(crate) angle: Option<Word>,
-}
 
 impl PolarWords {
     /// Puts the point of the words into a target. A radius that is a distance counts from where the tool is, every
