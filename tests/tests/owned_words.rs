@@ -69,7 +69,9 @@ const MOVES: &[&str] = &[
     "CODE_LCS_SCALE_OFF",
     // Functions of the machine, stops and calls.
     "CODE_CALSUB_RETURN",
+    "CODE_CHUCK_*",
     "CODE_COOLANT_*",
+    "CODE_COUPLE_SPINDLES*",
     "CODE_END",
     "CODE_FUNCTION",
     "CODE_HEAD_*",
@@ -77,6 +79,7 @@ const MOVES: &[&str] = &[
     "CODE_REWIND",
     "CODE_SPINDLE*",
     "CODE_STOP",
+    "CODE_SUBSPINDLE_*",
     "CODE_SYNC_*",
     "CODE_TNC_*",
     "CODE_TOOL_*",

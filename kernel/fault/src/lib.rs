@@ -230,6 +230,11 @@ diagnostics! {
     FREE_CONTOUR 2900652 "free-contour-not-determined" 8 true "element of a free contour not determined";
     SPINDLE_FOLLOWS 2900654 "spindle-follows" 4 false "command for a spindle that follows another one";
     SPINDLE_COUPLING 2900655 "spindle-coupling-illegal" 12 true "spindles coupled wrongly";
+    CHUCK_SPEED 2900656 "chuck-at-other-speed" 12 true "chuck closes on a part at another speed";
+    CHUCK_PHASE 2900657 "chuck-without-phase" 12 true "chuck closes on a turning part without phase";
+    PART_NOT_HELD 2900658 "part-not-held" 12 true "no chuck holds the part";
+    CHUCK_NOT_OPEN 2900659 "chuck-not-open" 12 true "sub-spindle fed against the part with its chuck closed";
+    SLIDE_HELD 2900673 "slide-with-held-part" 12 true "sub-spindle moved while both chucks hold the part";
     PART_DATA_UNIT 2900653 "part-data-unit" 4 false "data of the part may be in the other unit";
     REPEATS_NOT_WHOLE 2900651 "repeats-not-whole" 4 false "number of repeats is not whole";
     MODAL_CALL_OPEN 2900650 "modal-call-open" 8 true "modal call not cancelled";

@@ -377,6 +377,41 @@ pub struct Spindle {
     pub follows: Option<u16>,
     /// Seconds in which it takes a phase to another spindle.
     pub phase: f64,
+    /// Its chuck when a program begins, if the machine knows chucks.
+    pub chuck: Option<ChuckAtStart>,
+    /// The axis that moves it along the part.
+    pub slide: Option<AxisId>,
+    /// Its chuck takes a turning part over only in phase.
+    pub takes_in_phase: bool,
+}
+
+/// A chuck when a program begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChuckAtStart {
+    /// Closed on a bar.
+    Bar,
+    /// Closed on a part.
+    Part,
+    /// Closed, without a part.
+    Empty,
+    /// Open.
+    Open,
+}
+
+impl ChuckAtStart {
+    /// The words of machine files.
+    pub(crate) const WORDS: [(&'static str, Self); 4] =
+        [("bar", Self::Bar), ("part", Self::Part), ("empty", Self::Empty), ("open", Self::Open)];
+}
+
+impl Machine {
+    /// The spindles that hand parts over, the one that follows second, if the machine knows their chucks.
+    #[must_use]
+    pub fn chucks(&self) -> Option<(SpindleId, SpindleId)> {
+        let follower = self.spindles.find(|spindle| spindle.follows.is_some() && spindle.chuck.is_some())?;
+        let leader = self.spindles.find(|spindle| Some(spindle.number) == self.spindles[follower].follows)?;
+        self.spindles[leader].chuck.map(|_| (leader, follower))
+    }
 }
 
 impl Spindle {

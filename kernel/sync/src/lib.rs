@@ -6,6 +6,7 @@
 
 pub mod backlog;
 pub mod channels;
+pub mod chucks;
 pub mod coordinator;
 pub mod files;
 mod hoard;

@@ -26,6 +26,8 @@ pub struct SharedState {
     pub files: SharedFiles,
     /// Spindles by index of the machine's list.
     pub spindles: Vec<SharedSpindle>,
+    /// The chucks that hand parts over.
+    pub chucks: Option<crate::chucks::ChuckPair>,
     /// Variables that each channel has of its own, as far as channels have ended.
     pub separate: Separate,
     /// Data that channels with coupled axes exchange when they meet.

@@ -62,7 +62,7 @@ use entry::ActionEntry;
 
 use crate::act::ActionContext;
 use crate::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
-use crate::channel::paired_spindles;
+use crate::channel::{chucks, paired_spindles};
 use crate::state::turning::ContourTask;
 
 /// The registry.
@@ -126,7 +126,9 @@ static READING: ActionTable = ActionTable {
 };
 
 const BASE: ActionTable = ActionTable {
-    of: |id| find(id).map(|entry| entry as &dyn Action).or_else(|| paired_spindles::find(id)),
+    of: |id| {
+        find(id).map(|entry| entry as &dyn Action).or_else(|| paired_spindles::find(id)).or_else(|| chucks::find(id))
+    },
     flush_lookahead: |kernel| ActionContext::new(kernel).next_element(None),
     flush_due: |kernel, hole| ActionContext::new(kernel).flush_due(hole),
     end_compensation: |kernel, halt| ActionContext::new(kernel).end_compensation(halt),

@@ -12,6 +12,7 @@ mod burden;
 pub(crate) mod callee;
 mod calls;
 pub mod carried;
+pub(crate) mod chucks;
 mod code_time;
 pub mod components;
 mod coupling;

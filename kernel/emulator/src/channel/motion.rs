@@ -7,7 +7,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
-use crate::channel::exchange;
+use crate::channel::{chucks, exchange};
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
@@ -55,6 +55,11 @@ impl Kernel<'_> {
         if self.channel.state.others.balance.is_some() {
             self.check_travel_before(motion)?;
             self.pair_cut(motion.kind)?;
+        }
+        if self.channel.state.others.spindles.chucks {
+            chucks::before_move(self, motion)?;
+            self.begin_travel(seconds, motion)?;
+            return chucks::after_move(self, motion);
         }
         self.begin_travel(seconds, motion)
     }

@@ -229,8 +229,17 @@ fn report_conflict(kernel: &mut Kernel<'_>, other: u16) {
 
 /// What both spindles turn at now, rev/min.
 fn speeds(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Result<(f64, f64), Halt> {
-    let mut of = |id| with(kernel, id, |kernel| kernel.turning_speed());
-    Ok((of(pair.leader)?, of(pair.follower)?))
+    Ok((speed_of(kernel, pair.leader)?, speed_of(kernel, pair.follower)?))
+}
+
+/// What a spindle turns at now, rev/min.
+pub(super) fn speed_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<f64, Halt> {
+    with(kernel, id, |kernel| kernel.turning_speed())
+}
+
+/// The phase in which a spindle follows another one.
+pub(super) fn phase_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<Option<f64>, Halt> {
+    kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
 }
 
 /// Reads a spindle as if it were the active one.

@@ -182,6 +182,6 @@ impl RareState {
     /// Whether each move must be checked.
     #[inline(always)]
     pub(crate) fn attends(&self) -> bool {
-        self.balance.is_some() | self.beside.is_some() | self.area.is_some()
+        self.balance.is_some() | self.beside.is_some() | self.area.is_some() | self.spindles.chucks
     }
 }

@@ -140,6 +140,8 @@ pub(crate) struct Spindles {
     pub(crate) driver: Option<u16>,
     /// A speed that waits for the next spindle code.
     pub(crate) waiting: Option<f64>,
+    /// The machine knows the chucks of two spindles.
+    pub(crate) chucks: bool,
 }
 
 impl Spindles {
@@ -153,6 +155,7 @@ impl Spindles {
             started: 0,
             driver: None,
             waiting: None,
+            chucks: machine.chucks().is_some(),
         }
     }
 }

@@ -14,8 +14,10 @@ use counterpoint_emulator::channel::carried::{CarriedState, Lived};
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault::Halt;
 use counterpoint_machine::Machine;
+use counterpoint_machine::model::ChuckAtStart;
 use counterpoint_program::presets;
 use counterpoint_program::spec::Spec;
+use counterpoint_sync::chucks::{Chuck, ChuckPair, WorkPiece};
 use counterpoint_sync::merge::MergerMessage;
 use counterpoint_sync::races::RaceDetector;
 use counterpoint_sync::tag::Tag;
@@ -51,6 +53,7 @@ impl MachineRun {
         let fresh = || SharedState {
             variables: kept_by_machine(machine).chain(presets(job)).collect(),
             spindles: vec![SharedSpindle::default(); machine.spindles.len()],
+            chucks: chucks(machine),
             ..SharedState::default()
         };
         let shared = self.shared.take().unwrap_or_else(fresh);
@@ -66,6 +69,18 @@ impl MachineRun {
         coordinator.unordered(|order| (order.sync_points, order.races) = (self.sync_points, races));
         coordinator
     }
+}
+
+/// The chucks of a machine when its programs begin.
+fn chucks(machine: &Machine) -> Option<ChuckPair> {
+    let (main, sub) = machine.chucks()?;
+    let of = |spindle| match machine.spindles[spindle].chuck {
+        Some(ChuckAtStart::Bar) => Chuck { open: false, piece: Some(WorkPiece::Bar) },
+        Some(ChuckAtStart::Part) => Chuck { open: false, piece: Some(WorkPiece::Part) },
+        Some(ChuckAtStart::Open) => Chuck { open: true, piece: None },
+        Some(ChuckAtStart::Empty) | None => Chuck { open: false, piece: None },
+    };
+    Some(ChuckPair { main: of(main), sub: of(sub), joined: false, away: machine.spindles[sub].slide.is_none() })
 }
 
 /// Values of common variables that the machine has kept.

@@ -127,6 +127,11 @@ macro_rules! with_own {
             COUPLE_SPINDLES_PHASE 0 299 true true Plain => ": the same, in phase (Nakamura M92)";
             COUPLE_SPINDLES_PHASE_OFF 0 699 true true Plain => ": ends the phase, the speed remains the same (Hanwha M55)";
             COUPLE_SPINDLES_OFF 0 699 true true Plain => ": ends that; the spindle keeps its speed (Nakamura M97)";
+            CHUCK_MAIN_OPEN 0 300 true true Plain => ": the chuck of the main spindle opens (Doosan M69)";
+            CHUCK_MAIN_CLOSE 0 300 true true Plain => ": the chuck of the main spindle closes (Doosan M68)";
+            CHUCK_SUB_OPEN 0 300 true true Plain => ": the chuck of the sub-spindle opens (Doosan M169)";
+            CHUCK_SUB_CLOSE 0 300 true true Plain => ": the chuck of the sub-spindle closes (Doosan M168)";
+            PART_CUT_OFF 0 300 true true Plain => ": the part is cut off from the bar (check of the cut-off, Doosan G350)";
         }
     };
 }

@@ -45,7 +45,7 @@ pub(super) fn machine(
     let mut names = NameRegistry { check, registers, codes: ident::code_names(), data: ident::data_names() };
     let mut data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
-    let spindles = spindles::read(&mut top, check);
+    let spindles = spindles::read(&mut top, &axes, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
     let components = components::read(&mut top, head.kind, &channels, check);
     let mut codes = codes::read(&mut top, &mut names);

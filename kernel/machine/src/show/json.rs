@@ -257,6 +257,9 @@ fn spindles(machine: &Machine) -> Vec<Value> {
             "run_up": spindle.run_up,
             "follows": spindle.follows,
             "phase": spindle.phase,
+            "chuck": spindle.chuck.map(word),
+            "slide": spindle.slide.map(|axis| machine.axes[axis].name.clone()),
+            "takes_in_phase": spindle.takes_in_phase,
             "overlap": word(spindle.overlap),
         })
     };

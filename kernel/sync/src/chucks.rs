@@ -1,0 +1,117 @@
+//! The chucks of two spindles that hand parts over: open or closed, and the piece in them.
+//!
+//! *Invariant:* both chucks hold one piece (`joined`) only after the second one closed on it, until it is cut off or
+//! leaves the first one.
+
+/// What a chuck can hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WorkPiece {
+    /// A bar: it stays in the spindle while the chuck is open.
+    Bar,
+    /// A part, or the remnant of one.
+    Part,
+}
+
+/// A chuck.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chuck {
+    /// It is open.
+    pub open: bool,
+    /// The piece in it.
+    pub piece: Option<WorkPiece>,
+}
+
+/// The chucks of the main spindle and of the sub-spindle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChuckPair {
+    /// Chuck of the main spindle.
+    pub main: Chuck,
+    /// Chuck of the sub-spindle.
+    pub sub: Chuck,
+    /// The same piece is in both.
+    pub joined: bool,
+    /// The sub-spindle is away from its home position, so that its chuck can meet the part.
+    pub away: bool,
+}
+
+/// The effect of an opened or closed chuck on the piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChuckEffect {
+    /// Nothing happens to the piece.
+    None,
+    /// Both chucks hold the piece.
+    Joined,
+    /// The part leaves the chuck.
+    Released,
+}
+
+impl ChuckPair {
+    /// A chuck.
+    #[must_use]
+    pub fn chuck(&self, sub: bool) -> Chuck {
+        if sub { self.sub } else { self.main }
+    }
+
+    /// Whether this chuck would close on the piece in the main spindle.
+    #[must_use]
+    pub fn would_join(&self, sub: bool) -> bool {
+        sub && self.away && self.sub.open && self.sub.piece.is_none() && self.main.piece.is_some() && !self.joined
+    }
+
+    /// Closes a chuck; nothing happens to a closed one. The empty main chuck closes on a part that was loaded.
+    pub fn close(&mut self, sub: bool) -> ChuckEffect {
+        let joins = self.would_join(sub);
+        if sub {
+            self.sub.open = false;
+        } else {
+            self.main.open = false;
+            self.main.piece = self.main.piece.or(Some(WorkPiece::Part));
+        }
+        if !joins {
+            return ChuckEffect::None;
+        }
+        self.sub.piece = self.main.piece;
+        self.joined = true;
+        ChuckEffect::Joined
+    }
+
+    /// Whether no chuck would hold the common piece after this one opens.
+    #[must_use]
+    pub fn would_drop(&self, sub: bool) -> bool {
+        self.joined && !self.chuck(sub).open && self.chuck(!sub).open
+    }
+
+    /// Opens a chuck. The sub-spindle lets go a piece that the main chuck holds too.
+    pub fn open(&mut self, sub: bool) -> ChuckEffect {
+        let joined = self.joined;
+        let own = if sub { &mut self.sub } else { &mut self.main };
+        own.open = true;
+        if joined && sub {
+            (self.joined, self.sub.piece) = (false, None);
+        } else if !joined && own.piece == Some(WorkPiece::Part) {
+            own.piece = None;
+            return ChuckEffect::Released;
+        }
+        ChuckEffect::None
+    }
+
+    /// Cuts the part off, if both closed chucks hold it; whether they did.
+    pub fn cut_off(&mut self) -> bool {
+        let cuts = self.joined && !self.main.open && !self.sub.open;
+        if cuts {
+            self.joined = false;
+            self.sub.piece = Some(WorkPiece::Part);
+        }
+        cuts
+    }
+
+    /// The sub-spindle takes a part out of the open main chuck; whether it does. A bar it only pulls.
+    pub fn take_out(&mut self) -> bool {
+        let takes = self.joined && self.main.open && !self.sub.open && self.main.piece == Some(WorkPiece::Part);
+        if takes {
+            self.joined = false;
+            self.main.piece = None;
+        }
+        takes
+    }
+}
