@@ -76,6 +76,7 @@ const MOVES: &[&str] = &[
     "CODE_FUNCTION",
     "CODE_HEAD_*",
     "CODE_OPSTOP",
+    "CODE_PART_CUT_OFF",
     "CODE_REWIND",
     "CODE_SPINDLE*",
     "CODE_STOP",
@@ -83,6 +84,7 @@ const MOVES: &[&str] = &[
     "CODE_SYNC_*",
     "CODE_TNC_*",
     "CODE_TOOL_*",
+    "CODE_TWIN_*",
     // Modes and functions of single controls.
     "CODE_SIEMENS_*",
     "CODE_OKUMA_FACE",

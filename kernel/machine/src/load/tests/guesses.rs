@@ -44,6 +44,7 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("O301\nG21 G18 G40 G54\nG90 G95\nG92 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG91 G1 X2. F0.3\n", "fanuc-lathe-b"),
     ("G71 G40\nG90 G95\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG20 X48. Z-20. F0.2\n", "fanuc-lathe-c"),
     ("O1\nG50 S3000\nT0101\nG97 S1000 M3\nM213 S1000\nM169\nG0 B-400.\nM168\nM30\n", "fanuc-lathe-subspindle"),
+    ("O1\nG50 S3000\nT101\nG97 S1000 M3\nM154\nG199 R0.\nM111\nG0 B-400.\nM110\nG198\nM30\n", "haas-lathe-ds"),
     ("O1\nT101\nG71 P10 Q20 U0.5 W0.1 D2.5 F0.2\nM30\n", "haas-lathe"),
     ("T101;\nG97 S1000 M3;\nG0 X50. Z2.;\nM30;\n", "haas-lathe"),
     ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
