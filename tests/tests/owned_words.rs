@@ -81,6 +81,7 @@ const MOVES: &[&str] = &[
     "CODE_SPINDLE*",
     "CODE_STOP",
     "CODE_SUBSPINDLE_*",
+    "CODE_SWISS_*",
     "CODE_SYNC_*",
     "CODE_TNC_*",
     "CODE_TOOL_*",

@@ -40,6 +40,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill",
             "fanuc-mill-4axis",
             "fanuc-mill-5axis",
+            "fanuc-swiss-hanwha",
             "fanuc-twin-spindle",
             "haas-lathe",
             "haas-lathe-ds",
