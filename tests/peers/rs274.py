@@ -329,8 +329,8 @@ def program(seed, compensated):
     return ["G21 G17 G90 G94 G40 G49 G80 G98", "F500", *lines]
 
 
-def peer_moves(args, folder, name, lines):
-    """Moves of rs274 in machine coordinates; none if it refuses the program."""
+def run_peer(args, folder, name, lines, timeout=None):
+    """Runs a program by rs274."""
     path = os.path.join(folder, name + ".ngc")
     with open(path, "w", encoding="ascii") as file:
         file.write("\n".join([*lines, "M2"]) + "\n")
@@ -346,8 +346,14 @@ def peer_moves(args, folder, name, lines):
     os.makedirs(home, exist_ok=True)
     done = subprocess.run([args.rs274, "-t", os.path.join(folder, "tool.tbl"), "-v", store, "-g", path],
                           env={**os.environ, "LD_PRELOAD": os.path.join(folder, "digits.so"), "HOME": home},
-                          capture_output=True, text=True, check=False, cwd=folder)
+                          capture_output=True, text=True, check=False, cwd=folder, timeout=timeout)
     shutil.rmtree(home)
+    return done
+
+
+def peer_moves(args, folder, name, lines):
+    """Moves of rs274 in machine coordinates; none if it refuses the program."""
+    done = run_peer(args, folder, name, lines)
     if "PROGRAM_END" not in done.stdout:
         return None, (done.stdout[-300:] + done.stderr[-300:])
     moves, work, shift, plane, at = [], [0.0] * 3, [0.0] * 3, "XY", None
@@ -379,10 +385,10 @@ def peer_moves(args, folder, name, lines):
     return moves, ""
 
 
-def own_moves(args, folder, name, lines):
+def own_moves(args, folder, name, lines, end="M30"):
     path, out = os.path.join(folder, name + ".nc"), os.path.join(folder, name)
     with open(path, "w", encoding="ascii") as file:
-        file.write("\n".join([*lines, "M30"]) + "\n")
+        file.write("\n".join([*lines, end]) + "\n")
     machine = os.path.join(folder, "peer")
     done = subprocess.run([args.counterpoint, "run", "--quiet", "--machine", machine, "--out", out, "--write", "events", path],
                           capture_output=True, text=True, check=False)
@@ -419,10 +425,15 @@ def compare(args, folder, seed):
         return seed, "refused", why
     own, told = own_moves(args, folder, f"p{seed}", lines)
     what = difference(own, peer)
+    remove(folder, seed)
+    return seed, "different" if what else "equal", what + (f" ({told})" if what and told else "")
+
+
+def remove(folder, seed):
+    """Removes the files of a program."""
     for ending in (".ngc", ".nc", ".ngc.var", ".ngc.var.bak", "/events.jsonl"):
         if os.path.exists(os.path.join(folder, f"p{seed}{ending}")):
             os.remove(os.path.join(folder, f"p{seed}{ending}"))
-    return seed, "different" if what else "equal", what + (f" ({told})" if what and told else "")
 
 
 def show(args, folder):

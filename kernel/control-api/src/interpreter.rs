@@ -21,6 +21,14 @@ pub trait Interpreter: Send {
     /// Faults that stop the channel; mistakes of the program are alarms by [`super::host::ReportHost::alarm`].
     fn block(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Result<Remaining, Halt>;
 
+    /// Continues the block whose first words have acted, after [`super::host::FlowHost::continue_block`].
+    ///
+    /// # Errors
+    /// As those of [`block`](Self::block).
+    fn rest(&mut self, _host: &mut dyn InterpreterHost) -> Result<Remaining, Halt> {
+        Ok(Remaining::Nothing)
+    }
+
     /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls
     /// by itself. None if the block has no words.
     ///

@@ -263,6 +263,7 @@ diagnostics! {
     SPINDLE_OFF 2900681 "feed-without-spindle" 4 false "move at feed while the spindle is off";
     SPEED_OF_FUNCTION 2900672 "speed-beside-function" 12 true "speed beside a function that may turn another spindle";
     UNIT_NOT_NAMED 2900682 "unit-not-named" 4 false "program looks like inches and names no unit";
+    SENDER_LINE 2900710 "line-for-sender" 4 false "line for the sender of the program";
     VALUE_WITHHELD 2900530 "value-withheld" 4 false "value removed by a data macro";
 }
 

@@ -40,7 +40,7 @@ const PLAIN: PreprocessorRow = PreprocessorRow {
     external_variables: false,
 };
 
-static ROWS: [PreprocessorRow; 6] = [
+static ROWS: [PreprocessorRow; 8] = [
     PreprocessorRow { counts_increments: true, ..PLAIN },
     PreprocessorRow { name: "fanuc", calls_by_word: true, counts_increments: true, ..PLAIN },
     PreprocessorRow { name: "okuma", counts_increments: true, named_stops: true, ..PLAIN },
@@ -62,6 +62,8 @@ static ROWS: [PreprocessorRow; 6] = [
         external_variables: true,
         ..PLAIN
     },
+    PreprocessorRow { name: "linuxcnc", semicolon_comments: true, ..PLAIN },
+    PreprocessorRow { name: "grbl", semicolon_comments: true, ..PLAIN },
 ];
 
 /// Pre-processor of a control.

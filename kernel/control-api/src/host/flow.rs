@@ -158,6 +158,10 @@ pub trait FlowHost {
     /// Returns from the subprogram at the end of the block, or ends the main program.
     fn return_from(&mut self);
 
+    /// The words that the interpreter leaves are a part of its block: when they have acted, the interpreter continues
+    /// the block ([`super::super::interpreter::Interpreter::rest`]).
+    fn continue_block(&mut self);
+
     /// Plain words are for the interpreter too, or no longer.
     fn watch(&mut self, on: bool);
 

@@ -136,6 +136,19 @@ pub trait FrameHost {
     /// Sets the length (0) or radius (1) of a tool offset, which acts when it is called next; whether it was set.
     fn set_tool_size(&mut self, offset: u32, at: usize, value: f64) -> bool;
 
+    /// Lengths of a tool offset by axis, as the program counts now.
+    fn tool_offset(&self, offset: u32) -> Vec<f64>;
+
+    /// Sets them; whether they were set. An active offset keeps its values where the machine changes them by a word.
+    fn set_tool_offset(&mut self, offset: u32, values: &[f64]) -> bool;
+
+    /// Lengths of the tool that are active, by axis, as the program counts now.
+    fn length_in_force(&self) -> Vec<f64>;
+
+    /// Sets the distance of the zero of all work offsets from their places by axis of the machine, as the program counts
+    /// now. The machine does not move.
+    fn set_preset(&mut self, values: &[f64]);
+
     /// Travel limits of an axis by its letter, in the machine frame.
     fn travel(&self, letter: &str) -> Option<(f64, f64)>;
 

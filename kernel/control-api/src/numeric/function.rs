@@ -96,6 +96,8 @@ pub enum NumericFunction {
     Fup,
     /// To the next larger whole number.
     Ceil,
+    /// To the next smaller whole number.
+    Floor,
     /// From binary-coded decimal.
     Bin,
     /// To binary-coded decimal.
@@ -154,6 +156,7 @@ impl NumericFunction {
             Self::Fix => "FIX",
             Self::Fup => "FUP",
             Self::Ceil => "ROUNDUP",
+            Self::Floor => "FIX",
             Self::Bin => "BIN",
             Self::Bcd => "BCD",
             Self::Neg => "NEG",
@@ -187,6 +190,7 @@ impl NumericFunction {
             Self::Fix => v.trunc(),
             Self::Fup => away(v),
             Self::Ceil => v.ceil(),
+            Self::Floor => v.floor(),
             Self::Bin => from_bcd(v)?,
             Self::Bcd => to_bcd(v),
             Self::Neg => -v,

@@ -5,6 +5,9 @@
 use super::function::DEGREES;
 use super::truth;
 
+/// Values that differ by less are equal for [`NumericOperator::EqNear`].
+const NEAR: f64 = 1e-6;
+
 /// An operator between two operands, or a function of two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumericOperator {
@@ -24,6 +27,8 @@ pub enum NumericOperator {
     RemOfWhole,
     /// Remainder by the whole part of the quotient.
     RemByQuotient,
+    /// Remainder that is never negative.
+    RemPositive,
     /// The first operand to the power of the second.
     Power,
     /// Equal.
@@ -38,6 +43,10 @@ pub enum NumericOperator {
     Lt,
     /// Less or equal.
     Le,
+    /// Equal, with a tolerance of a millionth.
+    EqNear,
+    /// Not equal, with a tolerance of a millionth.
+    NeNear,
     /// And, of the bits of whole numbers.
     BitAnd,
     /// Or, of the bits of whole numbers.
@@ -65,7 +74,7 @@ pub enum NumericOperator {
 impl NumericOperator {
     /// Whether its value is a truth value for any operands.
     pub fn compares(self) -> bool {
-        matches!(self, Self::Eq | Self::Ne | Self::Gt | Self::Ge | Self::Lt | Self::Le)
+        matches!(self, Self::Eq | Self::Ne | Self::Gt | Self::Ge | Self::Lt | Self::Le | Self::EqNear | Self::NeNear)
     }
 
     /// Value for two numbers; none for a division by zero.
@@ -87,7 +96,9 @@ impl NumericOperator {
             Self::Add => a + b,
             Self::Sub => a - b,
             Self::Mul => a * b,
-            Self::Div | Self::WholeDiv | Self::Rem | Self::RemByQuotient if b == 0.0 => return None,
+            Self::Div | Self::WholeDiv | Self::Rem | Self::RemByQuotient | Self::RemPositive if b == 0.0 => {
+                return None;
+            }
             Self::Div => a / b,
             Self::WholeDiv => (a / b).trunc(),
             Self::Rem => a % b,
@@ -95,9 +106,12 @@ impl NumericOperator {
             // Never the negative zero.
             Self::RemOfWhole => a.round() % b.round() + 0.0,
             Self::RemByQuotient => a - b * (a / b).trunc(),
+            Self::RemPositive => a.rem_euclid(b),
             Self::Power => libm::pow(a, b),
             Self::Eq => truth(a == b),
             Self::Ne => truth(a != b),
+            Self::EqNear => truth((a - b).abs() < NEAR),
+            Self::NeNear => truth((a - b).abs() >= NEAR),
             Self::Gt => truth(a > b),
             Self::Ge => truth(a >= b),
             Self::Lt => truth(a < b),
@@ -130,6 +144,9 @@ mod tests {
             (NumericOperator::RemOfWhole, 7.6, 2.4, Some(0.0)),
             (NumericOperator::RemOfWhole, 7.0, 0.4, None),
             (NumericOperator::RemByQuotient, -7.5, 2.0, Some(-1.5)),
+            (NumericOperator::RemPositive, -7.5, 2.0, Some(0.5)),
+            (NumericOperator::RemPositive, 7.5, -2.0, Some(1.5)),
+            (NumericOperator::RemPositive, 1.0, 0.0, None),
             (NumericOperator::WholeDiv, -7.0, 2.0, Some(-3.0)),
             (NumericOperator::Div, 1.0, 0.0, None),
             (NumericOperator::Rem, 1.0, 0.0, None),

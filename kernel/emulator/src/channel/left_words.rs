@@ -20,6 +20,8 @@ pub(crate) struct LeftWords {
     pub(super) asked: bool,
     /// The text of the words, if it may be asked for.
     pub(crate) text: String,
+    /// The interpreter continues its block when its words have acted.
+    pub(crate) continues: bool,
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,
     /// Blocks that precede the block of the kernel.
@@ -31,6 +33,7 @@ impl LeftWords {
     pub(crate) fn clear(&mut self, asked: bool) {
         self.asked = asked;
         self.text.clear();
+        self.continues = false;
         self.joined = None;
         self.blocks.clear();
     }

@@ -27,7 +27,7 @@ impl Kernel<'_> {
             interpreter.block(kernel, text)
         });
         match done {
-            Some(remaining) => self.remains(remaining?, text),
+            Some(remaining) => parts(self, remaining?, text),
             None => {
                 let text = format!(
                     "'{}' is issued while the pre-processor waits for a macro; ignored",
@@ -157,6 +157,27 @@ impl Kernel<'_> {
         let repeats = passes.saturating_sub(1);
         self.enter(RunningProgram { repeats, closes, called, ..RunningProgram::main(file, range, (*name).into()) });
         Ok(())
+    }
+}
+
+/// Executes the words that an interpreter has left of a block, part by part if it continues the block after them.
+fn parts(kernel: &mut Kernel<'_>, first: Remaining, text: &[u8]) -> Acted {
+    let mut remaining = first;
+    loop {
+        let continues = std::mem::take(&mut kernel.dialect.left.continues);
+        kernel.remains(remaining, text)?;
+        if !continues {
+            return Ok(());
+        }
+        kernel.channel.block.clear();
+        let next = kernel.with_interpreter(|interpreter, kernel| {
+            kernel.dialect.left.clear(kernel.asks_left_text());
+            interpreter.rest(kernel)
+        });
+        match next {
+            Some(next) => remaining = next?,
+            None => return Ok(()),
+        }
     }
 }
 

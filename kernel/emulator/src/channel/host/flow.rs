@@ -79,6 +79,10 @@ impl FlowHost for Kernel<'_> {
         self.ask(Pending::Return(None));
     }
 
+    fn continue_block(&mut self) {
+        self.dialect.left.continues = true;
+    }
+
     fn watch(&mut self, on: bool) {
         self.flow.watched = on;
     }

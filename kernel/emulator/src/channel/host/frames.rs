@@ -253,6 +253,32 @@ impl FrameHost for Kernel<'_> {
         self.channel.state.place.offsets.get_or_insert_default().store(OffsetTable::Length, offset, values)
     }
 
+    fn tool_offset(&self, offset: u32) -> Vec<f64> {
+        let values = self.channel.worn_length(offset);
+        self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
+    }
+
+    fn set_tool_offset(&mut self, offset: u32, values: &[f64]) -> bool {
+        let mut lengths = self.channel.offset_values(OffsetTable::Length, offset);
+        for (axis, value) in self.channel.state.place.layout.axes.ids().zip(values) {
+            *lengths.at_mut(axis) = value * self.program_factor(axis);
+        }
+        Kernel::set_offset(self, OffsetTable::Length, offset, lengths)
+    }
+
+    fn length_in_force(&self) -> Vec<f64> {
+        let values = self.channel.tool_shift();
+        self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
+    }
+
+    fn set_preset(&mut self, values: &[f64]) {
+        for (axis, value) in self.channel.state.place.layout.axes.clone().ids().zip(values) {
+            let value = value * self.program_factor(axis);
+            *self.channel.state.place.preset.at_mut(axis) = value;
+        }
+        self.reframe();
+    }
+
     fn travel(&self, letter: &str) -> Option<(f64, f64)> {
         let axes = &self.channel.env.machine.axes;
         let is = |axis: &&ChannelAxis| axes[axis.machine].letter.eq_ignore_ascii_case(letter);

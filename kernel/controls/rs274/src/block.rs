@@ -1,0 +1,308 @@
+//! The words of a block with their values, and what the control refuses before anything of the block acts.
+//!
+//! Facts: LinuxCNC documentation, "Modal groups", "Order of execution", the errors of each code; Grbl 1.1, list of
+//! errors. *Invariant:* a block that passes has only words that one of its codes takes.
+
+use counterpoint_fault as diag;
+
+use super::codes::{AxisUse, GCode, NO_MOTION, g_code, is_cycle, m_code, spelled};
+use super::text::Rs274Mistake;
+use counterpoint_control_api::words::Span;
+
+/// Letters of axes.
+pub(super) const AXES: &[u8] = b"xyzabcuvw";
+
+/// A word with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct BlockWord {
+    pub(super) letter: u8,
+    pub(super) value: f64,
+    /// The number as the program writes it.
+    pub(super) spelled: Option<Box<str>>,
+    pub(super) span: Span,
+}
+
+/// The words of a block.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct BlockWords {
+    /// Words other than G and M.
+    pub(super) words: Vec<BlockWord>,
+    /// G codes in tenths, with their places.
+    pub(super) g: Vec<(u16, Span)>,
+    pub(super) m: Vec<(u16, Span)>,
+    /// The motion of the block; none if nothing moves.
+    pub(super) motion: Option<u16>,
+    pub(super) whole: Span,
+}
+
+/// Modes that decide what a block means.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BlockModes {
+    pub(super) grbl: bool,
+    /// The active motion.
+    pub(super) motion: u16,
+    /// G93 is active.
+    pub(super) inverse_time: bool,
+}
+
+fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
+    Rs274Mistake::new(&diag::REFUSED, error, text)
+}
+
+impl BlockWords {
+    /// Adds a word.
+    pub(super) fn add(&mut self, word: BlockWord) -> Result<(), Rs274Mistake> {
+        if self.whole == Span::default() {
+            self.whole = word.span;
+        }
+        match word.letter {
+            b'g' => {
+                let tenths = whole(word.value * 10.0).ok_or_else(|| unknown('G', word.value))?;
+                self.g.push((tenths, word.span));
+            }
+            b'm' => {
+                let code = whole(word.value).ok_or_else(|| unknown('M', word.value))?;
+                self.m.push((code, word.span));
+            }
+            letter if self.has(letter) => {
+                let name = char::from(letter.to_ascii_uppercase());
+                return Err(refused(25, format!("{name} is written twice: remove one of both words")));
+            }
+            _ => self.words.push(word),
+        }
+        Ok(())
+    }
+
+    pub(super) fn word(&self, letter: u8) -> Option<&BlockWord> {
+        self.words.iter().find(|word| word.letter == letter)
+    }
+
+    pub(super) fn get(&self, letter: u8) -> Option<f64> {
+        self.word(letter).map(|word| word.value)
+    }
+
+    pub(super) fn has(&self, letter: u8) -> bool {
+        self.word(letter).is_some()
+    }
+
+    pub(super) fn has_g(&self, code: u16) -> bool {
+        self.g.iter().any(|(known, _)| *known == code)
+    }
+
+    pub(super) fn has_m(&self, code: u16) -> bool {
+        self.m.iter().any(|(known, _)| *known == code)
+    }
+
+    pub(super) fn has_axes(&self) -> bool {
+        self.words.iter().any(|word| AXES.contains(&word.letter))
+    }
+
+    fn has_offsets(&self) -> bool {
+        self.has(b'i') || self.has(b'j') || self.has(b'k')
+    }
+
+    /// Refuses what the control refuses, and decides which motion the block makes.
+    pub(super) fn check(&mut self, modes: BlockModes) -> Result<(), Rs274Mistake> {
+        let codes = self.codes(modes.grbl)?;
+        self.check_m(modes.grbl)?;
+        let taker = codes.iter().find(|code| matches!(code.axes, AxisUse::Takes | AxisUse::Needs));
+        let explicit = codes.iter().find(|code| code.group == 1);
+        let takes = taker.is_some() && self.has_axes();
+        if let (Some(taker), Some(motion)) = (taker, explicit)
+            && takes
+            && motion.code != NO_MOTION
+        {
+            let text = format!("{} and {} both use the axis words", spelled(taker.code), spelled(motion.code));
+            return Err(refused(24, format!("{text}: write them in two blocks")));
+        }
+        let implied = || (self.has_axes() || self.has_offsets() && matches!(modes.motion, 20 | 30)) && !takes;
+        self.motion = match explicit {
+            Some(motion) => Some(motion.code),
+            None if taker.is_none() && implied() => Some(modes.motion),
+            None => None,
+        };
+        if self.has_axes() && !takes && matches!(self.motion, None | Some(NO_MOTION)) {
+            return Err(refused(31, "no motion is active that uses the axis words: write G0 or G1"));
+        }
+        for code in &codes {
+            self.check_words(code)?;
+        }
+        if let Some(motion) = self.motion.filter(|motion| *motion != NO_MOTION) {
+            self.check_motion(motion, modes, explicit.is_some())?;
+        }
+        self.check_unused(&codes, modes.grbl)?;
+        self.check_signs()
+    }
+
+    /// The G codes, which the control has, at most one of each group.
+    fn codes(&self, grbl: bool) -> Result<Vec<&'static GCode>, Rs274Mistake> {
+        let mut codes: Vec<&'static GCode> = Vec::with_capacity(self.g.len());
+        for (code, _) in &self.g {
+            let Some(facts) = g_code(*code, grbl) else {
+                let text = format!("{} is not a code of this control", spelled(*code));
+                return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
+            };
+            // G53 goes with a motion, G4 with anything.
+            let beside = |code: u16| matches!(code, 40 | 530);
+            let same = |other: &&&GCode| {
+                other.group == facts.group && !(facts.group == 0 && (beside(other.code) || beside(facts.code)))
+            };
+            if let Some(other) = codes.iter().find(same) {
+                let text = format!("{} and {} are of one modal group", spelled(other.code), spelled(*code));
+                return Err(refused(21, format!("{text}: write them in two blocks")));
+            }
+            codes.push(facts);
+        }
+        Ok(codes)
+    }
+
+    fn check_m(&self, grbl: bool) -> Result<(), Rs274Mistake> {
+        let mut groups: Vec<u8> = Vec::new();
+        for (code, _) in &self.m {
+            let Some(facts) = m_code(*code, grbl) else {
+                let text = format!("M{code} is not a code of this control");
+                return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
+            };
+            // Mist and flood may come together.
+            if groups.contains(&facts.group) && facts.group != 8 {
+                let text = format!("M{code} is of the same modal group as another M code: write them in two blocks");
+                return Err(refused(21, text));
+            }
+            groups.push(facts.group);
+            if let Some(missing) = facts.needs.bytes().find(|letter| !self.has(*letter)) {
+                return Err(missing_word(&format!("M{code}"), missing));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_words(&self, code: &GCode) -> Result<(), Rs274Mistake> {
+        let sticky = is_cycle(code.code);
+        if let Some(missing) = code.needs.bytes().find(|letter| !self.has(*letter)).filter(|_| !sticky) {
+            return Err(missing_word(&spelled(code.code), missing));
+        }
+        if matches!(code.axes, AxisUse::MotionNeeds | AxisUse::Needs) && !self.has_axes() {
+            return Err(refused(26, format!("{} has no axis word", spelled(code.code))));
+        }
+        Ok(())
+    }
+
+    fn check_motion(&self, motion: u16, modes: BlockModes, explicit: bool) -> Result<(), Rs274Mistake> {
+        let name = spelled(motion);
+        if self.has_g(530) && !matches!(motion, 0 | 10) {
+            return Err(refused(30, format!("G53 goes with G0 or G1 only, and {name} is active")));
+        }
+        if matches!(motion, 20 | 30) && (self.has_axes() || self.has_offsets() || self.has(b'r')) {
+            if modes.grbl && !self.has_axes() {
+                return Err(refused(26, format!("{name} has no axis word")));
+            }
+            if !self.has_offsets() && !self.has(b'r') {
+                return Err(refused(35, format!("{name} has neither a centre (I, J, K) nor a radius (R)")));
+            }
+            if self.has(b'r') && self.has_offsets() {
+                return Err(refused(36, format!("{name} has a centre and a radius: remove one of both")));
+            }
+        }
+        let cuts = matches!(motion, 10 | 20 | 30) && (self.has_axes() || self.has_offsets() || explicit);
+        let inverse = (modes.inverse_time || self.has_g(930)) && !self.has_g(940) && !self.has_g(950);
+        if cuts && inverse && !self.has(b'f') && (self.has_axes() || self.has_offsets()) {
+            return Err(refused(22, format!("{name} under G93 needs F in its block")));
+        }
+        if inverse && is_cycle(motion) {
+            return Err(refused(22, format!("{name} is not possible under G93: write G94 before it")));
+        }
+        Ok(())
+    }
+
+    fn check_unused(&self, codes: &[&'static GCode], grbl: bool) -> Result<(), Rs274Mistake> {
+        let motion = self.motion.and_then(|motion| g_code(motion, grbl));
+        let of_codes =
+            |letter| codes.iter().chain(&motion).any(|code| code.letters.bytes().any(|known| known == letter));
+        let of_m = |letter: u8| {
+            let mut facts = self.m.iter().filter_map(|(code, _)| m_code(*code, grbl));
+            facts.any(|facts| facts.letters.bytes().any(|known| known == letter))
+        };
+        for word in &self.words {
+            let letter = word.letter;
+            let always = matches!(letter, b'f' | b's' | b't') || AXES.contains(&letter);
+            if !always && !of_codes(letter) && !of_m(letter) {
+                let name = char::from(letter.to_ascii_uppercase());
+                return Err(refused(36, format!("{name} is used by no code of the block: remove it")));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_signs(&self) -> Result<(), Rs274Mistake> {
+        let dwells = self.has_g(40);
+        let negative = |word: &&BlockWord| {
+            word.value < 0.0 && (matches!(word.letter, b'f' | b's' | b't') || word.letter == b'p' && dwells)
+        };
+        match self.words.iter().find(negative) {
+            Some(word) => {
+                let name = char::from(word.letter.to_ascii_uppercase());
+                Err(refused(4, format!("{name} is negative: write a positive number")))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn missing_word(code: &str, letter: u8) -> Rs274Mistake {
+    let name = char::from(letter.to_ascii_uppercase());
+    refused(28, format!("{code} needs {name}: add the word"))
+}
+
+fn unknown(letter: char, value: f64) -> Rs274Mistake {
+    Rs274Mistake::new(&diag::UNKNOWN_CODE, 23, format!("{letter}{value} is not a code of this control"))
+}
+
+/// A value close to a whole number.
+pub(super) fn whole(value: f64) -> Option<u16> {
+    let near = value.round();
+    ((value - near).abs() < 0.001 && (0.0..=9999.0).contains(&near)).then_some(near as u16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checked(text: &str, grbl: bool, motion: u16) -> Result<Option<u16>, u8> {
+        let mut block = BlockWords::default();
+        for word in text.split(' ') {
+            let (letter, value) = word.split_at(1);
+            let word =
+                BlockWord { letter: letter.as_bytes()[0], value: value.parse().unwrap(), spelled: None, span: (0, 1) };
+            block.add(word).map_err(|mistake| mistake.error)?;
+        }
+        block.check(BlockModes { grbl, motion, inverse_time: false }).map_err(|mistake| mistake.error)?;
+        Ok(block.motion)
+    }
+
+    #[test]
+    fn errors_have_the_numbers_of_grbl() {
+        for (text, error) in [
+            ("g81 x1 z1 r2", 20),
+            ("m6", 20),
+            ("g59.1", 20),
+            ("g0 g1", 21),
+            ("g20 g21", 21),
+            ("g0 g92 x1", 24),
+            ("x1 x2", 25),
+            ("g38.2", 26),
+            ("g4", 28),
+            ("g10 x1", 28),
+            ("g53 g2 x1 i1", 30),
+            ("g2 x1", 35),
+            ("g1 x1 r2", 36),
+        ] {
+            assert_eq!(checked(text, true, 0), Err(error), "{text}");
+        }
+        assert_eq!(checked("x1", true, NO_MOTION), Err(31));
+        assert_eq!(checked("g92 x1", true, 10), Ok(None));
+        assert_eq!(checked("g53 x1", true, 10), Ok(Some(10)));
+        assert_eq!(checked("g80 g28", true, 10), Ok(Some(NO_MOTION)));
+        assert_eq!(checked("i1", false, 20), Ok(Some(20)));
+        assert_eq!(checked("f100 s5 t1", false, 10), Ok(None));
+    }
+}

@@ -1,0 +1,78 @@
+//! LinuxCNC and GRBL as dialects.
+
+use super::Rs274;
+use counterpoint_control_api::definition::{Dialect, Unknown};
+use counterpoint_control_api::interpreter::Interpreter;
+use counterpoint_control_api::outline::OutlineReader;
+use counterpoint_machine::Machine;
+use counterpoint_program::syntax::{PLAIN, Syntax};
+
+static SYNTAX: Syntax =
+    Syntax { numbered_programs: false, needs_interpreter: Some(needs_interpreter), keeps_names: true, ..PLAIN };
+
+/// Every block belongs to the interpreter: it keeps the active motion and refuses what the control refuses.
+fn needs_interpreter(text: &[u8]) -> bool {
+    !matches!(text.trim_ascii(), b"" | b"%")
+}
+
+/// LinuxCNC.
+pub struct LinuxCncDialect;
+
+/// GRBL 1.1.
+pub struct GrblDialect;
+
+fn interpreter(machine: &Machine, grbl: bool) -> Rs274 {
+    Rs274::new(grbl, machine.variables.system.initial.iter().copied())
+}
+
+impl Dialect for LinuxCncDialect {
+    fn name(&self) -> &'static str {
+        "linuxcnc"
+    }
+
+    fn title(&self) -> &'static str {
+        "LinuxCNC"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn unknown_text(&self, text: &str, _: Unknown) -> String {
+        format!("{text} is not known to this control")
+    }
+
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
+        Some(Box::new(interpreter(machine, false)))
+    }
+
+    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        Some(Box::new(interpreter(machine, false)))
+    }
+}
+
+impl Dialect for GrblDialect {
+    fn name(&self) -> &'static str {
+        "grbl"
+    }
+
+    fn title(&self) -> &'static str {
+        "GRBL"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn unknown_text(&self, text: &str, _: Unknown) -> String {
+        format!("error:20 {text} is not known to this control")
+    }
+
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
+        Some(Box::new(interpreter(machine, true)))
+    }
+
+    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        Some(Box::new(interpreter(machine, true)))
+    }
+}

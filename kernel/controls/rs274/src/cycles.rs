@@ -1,0 +1,144 @@
+//! Canned cycles G73, G74, G81 to G86, G89.
+//!
+//! Facts: LinuxCNC documentation, "Canned cycles". Heights are positions for the kernel: R and Z of incremental mode are
+//! added here. *Invariant:* the initial level is that before the first of a series of cycles.
+
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::codes as ids;
+
+use super::block::{AXES, BlockWords};
+use super::codes::spelled;
+use super::motion::{push_axis, push_feed, work};
+use super::run::{push_code, push_named, push_value};
+use super::text::Rs274Mistake;
+use super::{Outcome, Rs274};
+use counterpoint_control_api::host::InterpreterHost;
+
+/// Words that a cycle remembers.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct StickyWords {
+    /// The active cycle, 0 for none.
+    code: u16,
+    /// Level before the first cycle of the series.
+    initial: Option<f64>,
+    z: Option<f64>,
+    r: Option<f64>,
+    q: Option<f64>,
+    p: Option<f64>,
+    d: Option<f64>,
+    /// P and Q of the last G5.
+    pub(super) spline: Option<[f64; 2]>,
+}
+
+impl StickyWords {
+    /// Another motion is active.
+    pub(super) fn end(&mut self) {
+        *self = Self { spline: self.spline, ..Self::default() };
+    }
+}
+
+fn refused(error: u8, text: String) -> Rs274Mistake {
+    Rs274Mistake::new(&diag::REFUSED, error, text)
+}
+
+impl Rs274 {
+    /// Leaves the blocks of a cycle.
+    pub(super) fn cycle(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords, code: u16) -> Outcome<()> {
+        let name = spelled(code);
+        if host.keeps_moves_back() {
+            return Err(
+                refused(20, format!("{name} is not possible under cutter compensation: write G40 before")).into()
+            );
+        }
+        let plane = if host.is_active(ids::PLANE_ZX) {
+            [2, 0, 1]
+        } else if host.is_active(ids::PLANE_YZ) {
+            [1, 2, 0]
+        } else {
+            [0, 1, 2]
+        };
+        let [_, _, along] = plane;
+        let (places, relative, span) = (host.axes(), host.relative(), words.whole);
+        let here = work(&places, along);
+        let sticky = &mut self.modes.cycle;
+        if sticky.code != code {
+            *sticky =
+                StickyWords { code, initial: sticky.initial, r: sticky.r, spline: None, ..StickyWords::default() };
+        }
+        let initial = *sticky.initial.get_or_insert(here);
+        let letter = AXES.get(along).copied().unwrap_or(b'z');
+        for (slot, letter) in [
+            (&mut sticky.z, letter),
+            (&mut sticky.r, b'r'),
+            (&mut sticky.q, b'q'),
+            (&mut sticky.p, b'p'),
+            (&mut sticky.d, b'd'),
+        ] {
+            *slot = words.get(letter).or(*slot);
+        }
+        let sticky = *sticky;
+        let missing = |letter: u8| {
+            let letter = char::from(letter.to_ascii_uppercase());
+            refused(28, format!("{name} needs {letter}: add the word"))
+        };
+        let (z, r) = (sticky.z.ok_or_else(|| missing(letter))?, sticky.r.ok_or_else(|| missing(b'r'))?);
+        let clear = if relative { here + r } else { r };
+        let depth = if relative { clear + z } else { z };
+        if clear < depth {
+            return Err(refused(20, format!("R of {name} is below the bottom of the hole")).into());
+        }
+        let pecks = matches!(code, 730 | 830);
+        if pecks && sticky.q.is_none_or(|step| step <= 0.0) {
+            return Err(refused(28, format!("{name} needs Q, the depth of a peck, above 0")).into());
+        }
+        let dwells = matches!(code, 740 | 820 | 840 | 860 | 890);
+        if dwells && sticky.p.unwrap_or(0.0) < 0.0 || matches!(code, 820 | 860 | 890) && sticky.p.is_none() {
+            return Err(refused(28, format!("{name} needs P, the seconds of its dwell, 0 or more")).into());
+        }
+        let count = words.get(b'l').unwrap_or(1.0);
+        if count.fract() != 0.0 || !(1.0..=9999.0).contains(&count) {
+            return Err(refused(20, format!("L of {name} is a whole number from 1 on")).into());
+        }
+        if here < clear {
+            push_code(host, b'G', 0.0, span);
+            push_axis(host, along, if relative { clear - here } else { clear }, span)?;
+            host.end_block();
+        }
+        let back = if host.is_active(ids::CYCLE_RETRACT_R) { clear } else { initial.max(clear) };
+        // These feed out of the hole up to the level of the return.
+        let feeds_out = matches!(code, 740 | 840 | 890) && back > clear;
+        for pass in 0..count as u32 {
+            push_code(host, b'G', f64::from(code / 10), span);
+            if pass == 0 {
+                push_feed(host, words)?;
+            }
+            for at in plane.iter().take(2) {
+                let letter = AXES.get(*at).copied().unwrap_or(b'x');
+                let stays = if relative { 0.0 } else { work(&places, *at) };
+                push_axis(host, *at, words.get(letter).unwrap_or(stays), span)?;
+            }
+            push_named(host, "DEPTH", depth, span);
+            push_value(host, b'R', clear, span)?;
+            push_named(host, "LEVEL", if feeds_out { clear } else { back }, span);
+            if let Some(step) = sticky.q.filter(|_| pecks) {
+                push_value(host, b'Q', step, span)?;
+            }
+            if let Some(step_back) = sticky.d.filter(|_| pecks) {
+                push_named(host, "CLEARANCE", step_back, span);
+            }
+            if dwells {
+                push_value(host, b'P', sticky.p.unwrap_or(0.0), span)?;
+            }
+            if feeds_out {
+                host.end_block();
+                push_code(host, b'G', 1.0, span);
+                push_axis(host, along, if relative { back - clear } else { back }, span)?;
+            }
+            if pass + 1 < count as u32 {
+                host.end_block();
+            }
+        }
+        host.work(count as usize)?;
+        Ok(())
+    }
+}
