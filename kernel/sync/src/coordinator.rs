@@ -13,15 +13,14 @@ mod schedules;
 mod sleep;
 pub mod switch;
 pub mod turn;
+pub mod wait_method;
 
 use crossbeam_channel::Sender;
 
 use crate::channels::Channels;
 use crate::locks;
-use crate::locks::atomic::{
-    AtomicBool, AtomicI64, AtomicU32, AtomicU64,
-    Ordering::{Acquire, Relaxed, Release, SeqCst},
-};
+use crate::locks::atomic::Ordering::{Acquire, Relaxed, Release, SeqCst};
+use crate::locks::atomic::{AtomicBool, AtomicI64, AtomicU32, AtomicU64};
 use crate::locks::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
 use crate::merge::MergerMessage;
 use crate::order::{BLOCKED, Order, OrderEffect};

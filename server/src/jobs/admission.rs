@@ -8,7 +8,7 @@ use std::sync::Arc;
 use tokio::sync::futures::Notified;
 
 use super::Core;
-use super::live::lock;
+use super::lock::lock;
 use crate::ledger::NewJob;
 use crate::ledger::record::JobRecord;
 use crate::reason::Refusal;

@@ -12,9 +12,9 @@ use tokio::sync::{Notify, watch};
 
 use super::feed::Feed;
 use super::limits::late;
-use super::live::{LiveJob, lock};
+use super::live::LiveJob;
+use super::lock::lock;
 use super::recent::Recent;
-use super::suspicion::time_alone;
 use super::tally::JobTally;
 use super::{Core, worker};
 use crate::clock::Clock;
@@ -435,4 +435,16 @@ impl Core {
         let entry = if live.paused() { EnqueueReason::Paused } else { EnqueueReason::Again(Instant::now()) };
         push(&mut *lock(&self.board.queue).jobs, live, entry);
     }
+}
+
+/// Time for which a suspect runs alone after one crash. Each further crash doubles the time, so that a job that crashes
+/// the server late in its run is also found.
+const ALONE: Duration = Duration::from_secs(5);
+
+/// Maximum number of doublings. It bounds the time for which other jobs wait.
+const MOST_DOUBLINGS: u32 = 2;
+
+/// Time for which a suspect runs alone after `crashes` crashes during its work.
+pub(super) fn time_alone(crashes: u32) -> Duration {
+    ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
 }

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::watch;
 
-use super::live::lock;
+use super::lock::lock;
 use crate::reason::Refusal;
 
 /// Most changes that are remembered, and most bytes of them.

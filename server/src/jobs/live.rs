@@ -14,7 +14,7 @@ use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
 use super::limits::{RunLimits, Stopped, late};
-pub(crate) use super::lock::lock;
+use super::lock::lock;
 use super::operator::Desk;
 use super::step::Stepping;
 use crate::ledger::record::{JobRecord, JobState, JobWork, ReachedLimit, now_ms};

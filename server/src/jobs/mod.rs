@@ -18,7 +18,7 @@ mod hold;
 mod housekeeping;
 mod limits;
 pub(crate) mod live;
-mod lock;
+pub(crate) mod lock;
 mod observe;
 pub(crate) mod operator;
 pub(crate) mod operator_wait;
@@ -27,6 +27,7 @@ pub(crate) mod received;
 mod recent;
 mod recovery;
 mod reuse;
+pub(crate) mod seal;
 pub(crate) mod shares;
 mod sink;
 pub(crate) mod step;
@@ -40,6 +41,14 @@ pub(crate) mod worker_wait;
 
 use std::sync::Arc;
 use std::time::Duration;
+
+use board::Board;
+use ends::Ends;
+use feed::{Feed, Removed};
+use flusher::Flusher;
+use live::LiveJob;
+use shares::TenantQuotas;
+use streams::Streams;
 
 use crate::blobs::Blobs;
 use crate::clock::Clock;
@@ -59,14 +68,8 @@ use crate::reason::Refusal;
 use crate::runner::Runner;
 use crate::spans::JobSpans;
 use crate::webhooks::Webhooks;
-use board::Board;
-use ends::Ends;
-use feed::{Feed, Removed};
+
 pub(crate) use files::JobSandbox;
-use flusher::Flusher;
-use live::LiveJob;
-use shares::TenantQuotas;
-use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);

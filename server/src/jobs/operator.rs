@@ -18,7 +18,7 @@ use counterpoint_proto::v1;
 use tokio::sync::watch;
 
 use super::growing::Growing;
-use super::live::lock;
+use super::lock::lock;
 use crate::clock::now_ms;
 
 /// Where dialogs wait.

@@ -9,7 +9,8 @@ use counterpoint_proto::v1;
 
 use super::Core;
 use super::describe::status;
-use super::live::{LiveJob, lock};
+use super::live::LiveJob;
+use super::lock::lock;
 use crate::clock::now_ms;
 use crate::ledger::record::{JobRecord, JobState};
 

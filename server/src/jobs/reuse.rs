@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::Core;
 use super::live::LiveJob;
-use super::worker::{Change, RESULTS_FROM, seal};
+use super::seal::{Change, RESULTS_FROM, seal};
 use crate::blobs::digest;
 use crate::ledger::record::{JobRecord, JobWork, Reuse};
 use crate::log::damage::{cut_short, gone};

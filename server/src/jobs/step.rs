@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use counterpoint_kernel::operator::{Console, Heard, StepCommand, StepReply};
 use tokio::sync::mpsc;
 
-use super::live::lock;
+use super::lock::lock;
 use super::operator::end_ms;
 use crate::clock::now_ms;
 

@@ -5,26 +5,15 @@
 //! dies.
 
 use std::io;
-use std::time::Duration;
 
 use counterpoint_proto::v1;
 
 use super::Core;
 use super::board::QueueState;
-use super::live::{LiveJob, lock};
+use super::live::LiveJob;
+use super::lock::lock;
 use crate::host::RunMark;
 use crate::ledger::record::{JobRecord, JobState, now_ms};
-
-/// Time for which a suspect runs alone after one crash. Each further crash doubles the time, so that a job that crashes
-/// the server late in its run is also found.
-const ALONE: Duration = Duration::from_secs(5);
-/// Maximum number of doublings. It bounds the time for which other jobs wait.
-const MOST_DOUBLINGS: u32 = 2;
-
-/// Time for which a suspect runs alone after `crashes` crashes during its work.
-pub(super) fn time_alone(crashes: u32) -> Duration {
-    ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
-}
 
 /// The suspect that runs alone.
 #[derive(Debug)]
@@ -111,6 +100,7 @@ impl Core {
 
 #[cfg(test)]
 mod tests {
+    use super::super::board::time_alone;
     use super::*;
 
     #[test]

@@ -21,21 +21,21 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::JobOptions;
 use prost::Message as _;
 
-use super::Core;
 use super::attended::DeskOperator;
 use super::describe::description;
 use super::ends::JobEnd;
 use super::files::JobSandbox;
 use super::limits::Stopped;
 use super::live::{LiveJob, PreparedRun};
+use super::seal::{Change, RESULTS_FROM, seal};
 use super::sink::JobSink;
 use super::system::Shell;
-use super::{received, reuse};
+use super::{Core, received, reuse};
 use crate::cpu;
 use crate::ledger::first_error::FirstError;
 use crate::ledger::record::{Cause, JobRecord, JobState, JobWork, ReachedLimit};
 use crate::log::wanted::ResultGate;
-use crate::log::writer::{FinishedLog, LogDestination, Small, Writer};
+use crate::log::writer::{FinishedLog, Small, Writer};
 use crate::machines::MachineRecord;
 use crate::pace::LogRateLimit;
 use crate::reason::Refusal;
@@ -82,9 +82,6 @@ fn work(core: &Arc<Core>, live: &Arc<LiveJob>) {
     };
     end(core, live, change, log, used());
 }
-
-/// Change of a record at the end of a run.
-pub(super) type Change = Box<dyn FnOnce(&mut JobRecord)>;
 
 fn failed(error: String) -> Change {
     Box::new(|record| {
@@ -342,23 +339,6 @@ impl Through {
     }
 }
 
-/// Makes the log and the files of a job durable.
-pub(super) fn seal(
-    core: &Arc<Core>,
-    live: &LiveJob,
-    place: Option<Box<dyn LogDestination>>,
-    has_files: bool,
-) -> Result<(), Refusal> {
-    if place.is_some() || has_files {
-        // The rest is waiting for the disk.
-        core.leave(live);
-        core.pump();
-        place.map_or(Ok(()), |place| place.seal())?;
-        core.logs.sync(&live.id)?;
-    }
-    Ok(())
-}
-
 /// Unusable parts of a job, and the reasons.
 type Unusable = (Cause, Vec<Finding>);
 
@@ -386,9 +366,6 @@ fn prepare_with(
     let task = ResolvedJob { machine, programs: record.programs.clone(), options };
     Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))
 }
-
-/// Bytes of a log from which on results are stored; those of a smaller one are made from it on request.
-pub(super) const RESULTS_FROM: u64 = 1 << 20;
 
 /// Stores the results that take time to make from the log, and keeps all results in memory for a while. `bytes`: of the
 /// log. Also returns the bytes of log, files and results.

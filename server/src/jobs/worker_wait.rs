@@ -5,7 +5,7 @@
 use counterpoint_proto::v1;
 
 use super::Core;
-use super::live::lock;
+use super::lock::lock;
 use crate::queue::TenantWorkers;
 
 /// Why no queued job of a tenant starts; `None` if its own jobs do not prevent it. Unless the quota is reached, jobs

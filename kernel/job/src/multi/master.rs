@@ -8,7 +8,7 @@ use counterpoint_lang::value::MacroValue;
 
 use super::Assembly;
 use super::again::{self, Again, At};
-use super::coordinator::switch::WaitMethod;
+use super::coordinator::wait_method::WaitMethod;
 use counterpoint_emulator::channel::carried::MasterMemory;
 use counterpoint_emulator::macros::store::names;
 use counterpoint_emulator::state::emitter::ChunkTarget;

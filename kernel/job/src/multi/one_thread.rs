@@ -11,7 +11,7 @@ use corosensei::stack::DefaultStack;
 use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
 
 use super::coordinator::Coordinator;
-use super::coordinator::switch::{WaitMethod, YieldReason};
+use super::coordinator::wait_method::{WaitMethod, YieldReason};
 use super::merge::{Feeder, Returned};
 use super::stream::EventStream;
 use super::{Assembly, Feeds, KernelStart};

@@ -3,8 +3,7 @@
 //! Invariant: a free permit goes to the waiting kernel that is furthest behind in simulated time.
 
 use super::locks::atomic::Ordering::SeqCst;
-
-use super::switch::WaitMethod;
+use super::wait_method::WaitMethod;
 use super::{Coordinator, CoordinatorState, Guard};
 
 impl Coordinator {

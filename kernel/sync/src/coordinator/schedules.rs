@@ -5,18 +5,23 @@
 
 use std::sync::Arc;
 
+use ScheduleStep::{Act, At, Away, Begin, Do, Listen, Pass, Poll, Rest, Run, Stop};
+use ScriptedWaitOp::{Call, Free, Remove, Send, Set, Share};
+use counterpoint_event::event::Primitive;
+use counterpoint_event::event::Primitive::{Barrier, Count, Flag, Join, Lease, Signal};
+
 use super::Coordinator;
-use super::switch::{Port, WaitMethod};
+use super::switch::Port;
 use super::turn::MeetOutcome;
+use super::wait_method::WaitMethod;
 use crate::channels::Channels;
-use crate::order::Wake;
 use crate::order::arrive::ArrivalReply;
-use crate::order::spin::{self, LoopPass};
+use crate::order::spin::LoopPass;
+use crate::order::{Wake, spin};
 use crate::shared::SharedState;
 use crate::tag::Tag;
 use crate::testing::{ScriptedWaitOp, info, listening, program, wait, waits};
 use crate::wait::{Finish, Terminal, WaitingChannel};
-use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 
 /// Schedules that are tried for each test.
 const SCHEDULES: usize = 1_000;
@@ -47,9 +52,6 @@ enum ScheduleStep {
     /// The end of the job.
     Stop,
 }
-
-use ScheduleStep::{Act, At, Away, Begin, Do, Listen, Pass, Poll, Rest, Run, Stop};
-use ScriptedWaitOp::{Call, Free, Remove, Send, Set, Share};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
 fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[ScheduleStep]) {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::locks::atomic::Ordering::{Relaxed, SeqCst};
 use super::locks::{PoisonError, spin_loop, yield_now};
-use super::switch::{WaitMethod, YieldReason};
+use super::wait_method::{WaitMethod, YieldReason};
 use super::{Coordinator, Guard, Slot};
 
 /// Checks of the signal before the processor is given away, if every kernel has a processor: the partner runs, or

@@ -5,37 +5,14 @@
 
 use std::ops::Deref;
 
-use corosensei::Yielder;
-
 use super::turn::{MeetOutcome, TurnGuard, Waiter};
+use super::wait_method::{WaitMethod, YieldReason};
 use super::{Coordinator, Stopped};
 use crate::backlog::Chunk;
 use crate::merge::Feeder;
 use crate::order::Wake;
 use crate::tag::Tag;
 use crate::wait::WaitingChannel;
-
-/// Why a kernel lets its thread run another one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum YieldReason {
-    /// It has nothing to do until it is signalled.
-    Sleep,
-    /// It needs an empty chunk, which the merger gives back.
-    Chunk,
-    /// An operator steps through the job and chooses the next kernel.
-    Step,
-    /// The kernel is about to ask an operator, which may take long: the events so far go into the log first.
-    Question,
-}
-
-/// How a kernel waits.
-#[derive(Clone, Copy)]
-pub enum WaitMethod<'a> {
-    /// Its thread sleeps.
-    Thread,
-    /// Its thread runs another kernel.
-    Coroutine(&'a Yielder<(), YieldReason>),
-}
 
 /// Whether there is nothing to do meanwhile.
 fn no_work<S>(_: &mut S, _: bool) -> bool {

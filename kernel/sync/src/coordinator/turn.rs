@@ -6,7 +6,7 @@
 use std::ops::{Deref, DerefMut};
 
 use super::locks::atomic::Ordering::SeqCst;
-use super::switch::WaitMethod;
+use super::wait_method::WaitMethod;
 use super::{Coordinator, Guard, Stopped};
 use crate::merge::MergerMessage;
 use crate::order::{KernelStatus, Order, Wake};

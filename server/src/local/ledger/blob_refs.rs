@@ -5,17 +5,14 @@
 
 use std::collections::BTreeSet;
 
-use redb::{ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadableTable, WriteTransaction};
 
-use super::tables::TransactionTables;
+use super::tables::{BLOB, TransactionTables};
 use super::{JOB, MACHINE, readable, storage, works};
 use crate::ledger::record::{JobRecord, JobWork};
 use crate::machines::MachineRecord;
 use crate::reason::Refusal;
 use crate::tenant;
-
-/// Tenant and digest → rows that need it; never 0.
-pub(super) const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 
 /// Keys of the blobs that a job needs.
 pub(super) fn of_job(tenant: &str, work: &JobWork) -> BTreeSet<String> {

@@ -8,8 +8,8 @@ use std::path::Path;
 use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
+use super::database::LedgerLocation;
 use super::tables::TransactionTables;
-use super::writer::LedgerLocation;
 use super::{
     JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, parse, retention, schema, storage, usage, works,
 };
@@ -114,7 +114,7 @@ impl Checkup {
         }
         rows.logs.extend(works::listed(&txn)?.difference(&known).cloned());
         let mut stored = BTreeMap::new();
-        for row in txn.open_table(blob_refs::BLOB).map_err(storage)?.iter().map_err(storage)? {
+        for row in txn.open_table(super::tables::BLOB).map_err(storage)?.iter().map_err(storage)? {
             let (digest, count) = row.map_err(storage)?;
             stored.insert(digest.value().to_owned(), count.value());
         }
@@ -201,16 +201,16 @@ pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &DataFolder) -> Res
     let txn = database.begin_write().map_err(storage)?;
     copy_table(from, &txn, schema::META)?;
     copy_table(from, &txn, JOB)?;
-    copy_table(from, &txn, works::WORK)?;
+    copy_table(from, &txn, super::tables::WORK)?;
     copy_table(from, &txn, REQUEST)?;
     copy_table(from, &txn, MACHINE)?;
     // A ledger of an early schema does not have these.
     copy_table(from, &txn, LOG)?;
-    copy_table(from, &txn, blob_refs::BLOB)?;
-    copy_table(from, &txn, retention::ENDED)?;
-    copy_table(from, &txn, index::INDEX)?;
-    copy_table(from, &txn, equal::EQUAL)?;
-    copy_table(from, &txn, usage::USAGE)?;
+    copy_table(from, &txn, super::tables::BLOB)?;
+    copy_table(from, &txn, super::tables::ENDED)?;
+    copy_table(from, &txn, super::tables::INDEX)?;
+    copy_table(from, &txn, super::tables::EQUAL)?;
+    copy_table(from, &txn, super::tables::USAGE)?;
     copy_table(from, &txn, machine_bytes::MACHINE_BYTES)?;
     txn.commit().map_err(storage)
 }

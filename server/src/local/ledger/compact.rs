@@ -8,13 +8,12 @@
 use std::io;
 use std::time::Instant;
 
-use redb::{Key, ReadTransaction, ReadableDatabase as _, ReadableTableMetadata as _, TableDefinition, Value};
+use redb::ReadableDatabase as _;
+use redb::ReadableTableMetadata as _;
+use redb::{Key, ReadTransaction, TableDefinition, Value};
 
-use super::writer::{LedgerDatabase, LedgerLocation};
-use super::{
-    JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, equal, index, machine_bytes, retention, schema, storage, usage,
-    works,
-};
+use super::database::{LedgerDatabase, LedgerLocation};
+use super::{JOB, LOG, MACHINE, REQUEST, checkup, machine_bytes, schema, storage};
 use crate::ledger::Compacted;
 use crate::local::contained::contained;
 use crate::local::disk::DiskOperation;
@@ -39,15 +38,15 @@ fn used<K: Key + 'static, V: Value + 'static>(
 pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
     Ok(used(txn, schema::META)?
         + used(txn, JOB)?
-        + used(txn, works::WORK)?
+        + used(txn, super::tables::WORK)?
         + used(txn, REQUEST)?
         + used(txn, MACHINE)?
         + used(txn, LOG)?
-        + used(txn, blob_refs::BLOB)?
-        + used(txn, retention::ENDED)?
-        + used(txn, index::INDEX)?
-        + used(txn, equal::EQUAL)?
-        + used(txn, usage::USAGE)?
+        + used(txn, super::tables::BLOB)?
+        + used(txn, super::tables::ENDED)?
+        + used(txn, super::tables::INDEX)?
+        + used(txn, super::tables::EQUAL)?
+        + used(txn, super::tables::USAGE)?
         + used(txn, machine_bytes::MACHINE_BYTES)?)
 }
 

@@ -5,16 +5,14 @@
 
 use std::collections::BTreeMap;
 
-use redb::{ReadTransaction, ReadableTable as _, TableDefinition, WriteTransaction};
+use redb::ReadableTable as _;
+use redb::{ReadTransaction, WriteTransaction};
 
-use super::tables::TransactionTables;
+use super::tables::{EQUAL, TransactionTables};
 use super::{JOB, parse, readable, storage};
 use crate::ledger::record::JobRecord;
 use crate::reason::Refusal;
 use crate::tenant;
-
-/// Tenant and digest → the last job that ended with it.
-pub(super) const EQUAL: TableDefinition<'_, &str, &str> = TableDefinition::new("equal_jobs");
 
 /// The key of a job's row; `None` if other jobs may not use its results.
 fn key(record: &JobRecord) -> Option<String> {

@@ -8,18 +8,15 @@
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
-use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, WriteTransaction};
 use uuid::Uuid;
 
-use super::tables::TransactionTables;
+use super::tables::{INDEX, TransactionTables};
 use super::{JOB, readable, storage};
 use crate::ledger::prefix::shortest;
 use crate::ledger::record::{JobRecord, JobState};
 use crate::ledger::{PAGE_BYTES, Page, Query};
 use crate::reason::Refusal;
-
-/// Term and identity.
-pub(super) const INDEX: TableDefinition<'_, (&str, &str), ()> = TableDefinition::new("index");
 
 /// Most look-ups of a page.
 const STEPS: usize = 2000;

@@ -7,6 +7,7 @@ pub(crate) mod backups;
 mod blob_refs;
 pub(crate) mod checkup;
 mod compact;
+mod database;
 mod equal;
 mod file;
 mod index;
@@ -30,9 +31,14 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
 use bytes::Bytes;
-use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _};
+use database::{LedgerDatabase, LedgerLocation};
+use redb::TableHandle as _;
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition};
+use rows::{clear, flag_cancel, get, next_job, parse, put, readable, renew, same, take_out};
+use tables::TransactionTables;
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::{NoContext, Timestamp, Uuid};
+use writer::LedgerOperation;
 
 use super::contained::contained;
 use super::store::DataFolder;
@@ -46,10 +52,8 @@ use crate::machines::MachineRecord;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
+
 pub(crate) use lost::{damaged_by, lost, lost_for_good, not_lost, unopened_by};
-use rows::{clear, flag_cancel, get, next_job, parse, put, readable, renew, same, take_out};
-use tables::TransactionTables;
-use writer::{LedgerDatabase, LedgerLocation, LedgerOperation};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
@@ -292,11 +296,11 @@ impl Ledger for LocalLedger {
     }
 
     async fn answered(&self, id: String, settled: Settled) -> Result<(), Refusal> {
-        self.write(move |tables| works::settle(tables, &id, settled)).await
+        self.write(move |tables| rows::settle(tables, &id, settled)).await
     }
 
     fn answered_blocking(&self, id: String, settled: Settled) -> Result<(), Refusal> {
-        self.write_blocking(move |tables| works::settle(tables, &id, settled))
+        self.write_blocking(move |tables| rows::settle(tables, &id, settled))
     }
 
     fn update_blocking(&self, records: Vec<JobRecord>) -> Result<(), Refusal> {
@@ -420,7 +424,7 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |tables| {
             // A row that goes in this very transaction is still there when the transaction fails.
             let durable = shared.current().ok_or_else(Refusal::unwritable_ledger)?.begin_read().map_err(storage)?;
-            let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
+            let durable = durable.open_table(tables::BLOB).map_err(storage)?;
             let table = tables.blob()?;
             let mut removed = 0;
             for digest in &digests {

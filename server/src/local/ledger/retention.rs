@@ -6,15 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
-use super::tables::TransactionTables;
+use super::tables::{ENDED, TransactionTables};
 use super::{JOB, readable, storage, works};
 use crate::ledger::record::JobRecord;
 use crate::ledger::{EndedJob, Keep, TenantRetention};
 use crate::local::store::DataFolder;
 use crate::reason::Refusal;
 
-/// Time of the end and identity → bytes of work, log, files and results, and tenant.
-pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
 /// The same without tenants, as ledgers before schema 7 have it.
 const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 

@@ -2,13 +2,15 @@
 //!
 //! Invariant: a row and its lists, counts and work change in the same transaction.
 
-use redb::{ReadableTable, TableHandle as _};
+use redb::ReadableTable;
+use redb::TableHandle as _;
 use serde::Deserialize;
 use uuid::Uuid;
 
 use super::tables::TransactionTables;
 use super::{JOB, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
 use crate::ledger::record::{JobRecord, JobWork};
+use crate::ledger::settled::Settled;
 use crate::ledger::{SubmitOutcome, time_of};
 use crate::reason::Refusal;
 use crate::tenant;
@@ -156,6 +158,17 @@ pub(super) fn same(
         Ok(SubmitOutcome::Known(Box::new(known)))
     } else {
         Err(Refusal::RequestIdReused(asked.request_id.clone()))
+    }
+}
+
+/// Adds the outcome of a question to the work of a job, unless the job has ended.
+pub(super) fn settle(tables: &TransactionTables<'_>, id: &str, settled: Settled) -> Result<(), Refusal> {
+    match (get(tables, id)?, works::get(tables, id)?) {
+        (Some(record), Some(mut work)) if !record.state.ended() => {
+            work.settle(settled);
+            works::put(tables, id, &work)
+        }
+        _ => Ok(()),
     }
 }
 

@@ -8,16 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
 
-use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHandle as _};
+use redb::TableHandle as _;
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable};
 
-use super::writer::LedgerLocation;
+use super::database::LedgerLocation;
 use super::{
     JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, parse, retention, rows, schema,
     seal, storage, usage, works,
 };
 use crate::ledger::record::{JobRecord, JobWork};
 use crate::local::contained::{contained, damaged};
-use crate::local::named::{PathContext as _, named};
+use crate::local::named::PathContext as _;
+use crate::local::named::named;
 use crate::local::store::DataFolder;
 use crate::machines::MachineRecord;
 use crate::reason::Refusal;
@@ -45,7 +47,7 @@ pub(crate) struct Saved {
 }
 
 /// Tables with rows.
-const TABLES: [Rows<'_>; 4] = [JOB, works::WORK, LOG, MACHINE];
+const TABLES: [Rows<'_>; 4] = [JOB, super::tables::WORK, LOG, MACHINE];
 
 /// Tries to read; damage counts as nothing.
 fn attempt<T>(work: impl FnOnce() -> Result<T, Refusal>) -> Option<T> {
@@ -212,7 +214,7 @@ impl Saved {
         .unwrap_or_default();
         ids.extend(self.requests.keys().cloned());
         by_identity(txn, JOB, &ids, &mut self.jobs);
-        by_identity(txn, works::WORK, &ids, &mut self.works);
+        by_identity(txn, super::tables::WORK, &ids, &mut self.works);
         by_identity(txn, LOG, &ids, &mut self.logs);
     }
 
@@ -236,7 +238,7 @@ impl Saved {
     /// Whether a row of a job and its work can be read. In early ledgers the row itself has the work.
     fn is_job(&self, id: &str, row: &[u8]) -> bool {
         let has_work = match self.works.get(id) {
-            Some(work) => parse::<JobWork>(works::WORK, id, work).is_ok(),
+            Some(work) => parse::<JobWork>(super::tables::WORK, id, work).is_ok(),
             None => parse::<JobWork>(JOB, id, row).is_ok(),
         };
         has_work && parse::<JobRecord>(JOB, id, row).is_ok()
@@ -273,7 +275,7 @@ impl Saved {
         let txn = database.begin_write().map_err(storage)?;
         schema::migrate(&txn, store)?;
         for (table, saved) in
-            [(JOB, &self.jobs), (works::WORK, &self.works), (LOG, &self.logs), (MACHINE, &self.machines)]
+            [(JOB, &self.jobs), (super::tables::WORK, &self.works), (LOG, &self.logs), (MACHINE, &self.machines)]
         {
             let mut rows = txn.open_table(table).map_err(storage)?;
             for (key, row) in saved {

@@ -3,11 +3,10 @@
 //! A ledger of an earlier form is brought to this one when it is opened, in one transaction. Invariant: the file holds
 //! the old form or the new one, never a mixture; a ledger of a later form is not touched.
 
-use redb::{ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
+use redb::TableHandle as _;
+use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{
-    JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, retention, seal, storage, usage, works,
-};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, seal, storage, usage, works};
 use crate::ledger::record::now_ms;
 use crate::local::store::DataFolder;
 use crate::reason::Refusal;
@@ -37,7 +36,7 @@ pub(super) fn migrate(txn: &WriteTransaction, store: &DataFolder) -> Result<Opti
     txn.open_table(REQUEST).map_err(storage)?;
     txn.open_table(MACHINE).map_err(storage)?;
     // A version without this table may leave rows that name deleted jobs.
-    txn.open_table(equal::EQUAL).map_err(storage)?;
+    txn.open_table(super::tables::EQUAL).map_err(storage)?;
     let done = before.unwrap_or(1).saturating_sub(1);
     for step in STEPS.iter().skip(usize::try_from(done).unwrap_or(usize::MAX)) {
         step(txn, store)?;
@@ -94,7 +93,7 @@ fn all_bytes(txn: &WriteTransaction, store: &DataFolder) -> Result<(), Refusal> 
 
 /// 9 → 10: every row of a job, a machine, a log and a work has a checksum.
 fn seals(txn: &WriteTransaction, _store: &DataFolder) -> Result<(), Refusal> {
-    for table in [JOB, works::WORK, MACHINE, LOG] {
+    for table in [JOB, super::tables::WORK, MACHINE, LOG] {
         let mut rows = txn.open_table(table).map_err(storage)?;
         let mut plain = Vec::new();
         for row in rows.iter().map_err(storage)? {
@@ -134,7 +133,7 @@ pub(super) fn keep_highest(txn: &WriteTransaction, ms: i64) -> Result<(), Refusa
 /// none, and no job has ended later than now.
 pub(super) fn highest(txn: &WriteTransaction) -> Result<i64, Refusal> {
     let stored = txn.open_table(META).map_err(storage)?.get("clock_ms").map_err(storage)?.map(|row| row.value());
-    let ended = txn.open_table(retention::ENDED).map_err(storage)?;
+    let ended = txn.open_table(super::tables::ENDED).map_err(storage)?;
     let last = ended.last().map_err(storage)?.map_or(0, |(key, _)| key.value().0);
     Ok(match stored {
         None if last <= now_ms() => 0,

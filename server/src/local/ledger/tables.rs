@@ -7,7 +7,7 @@ use std::cell::{RefCell, RefMut};
 
 use redb::{Key, Table, TableDefinition, Value, WriteTransaction};
 
-use super::{JOB, LOG, REQUEST, blob_refs, equal, index, retention, storage, usage, works};
+use super::{JOB, LOG, REQUEST, storage};
 use crate::reason::Refusal;
 
 /// A table, once it has been opened.
@@ -77,7 +77,7 @@ impl<'t> TransactionTables<'t> {
     }
 
     pub(super) fn work(&self) -> Open<'_, 't, &'static str, &'static [u8]> {
-        open(&self.work, self.txn, works::WORK)
+        open(&self.work, self.txn, WORK)
     }
 
     pub(super) fn log(&self) -> Open<'_, 't, &'static str, &'static [u8]> {
@@ -89,22 +89,40 @@ impl<'t> TransactionTables<'t> {
     }
 
     pub(super) fn equal(&self) -> Open<'_, 't, &'static str, &'static str> {
-        open(&self.equal, self.txn, equal::EQUAL)
+        open(&self.equal, self.txn, EQUAL)
     }
 
     pub(super) fn index(&self) -> Open<'_, 't, (&'static str, &'static str), ()> {
-        open(&self.index, self.txn, index::INDEX)
+        open(&self.index, self.txn, INDEX)
     }
 
     pub(super) fn blob(&self) -> Open<'_, 't, &'static str, u64> {
-        open(&self.blob, self.txn, blob_refs::BLOB)
+        open(&self.blob, self.txn, BLOB)
     }
 
     pub(super) fn ended(&self) -> Open<'_, 't, (i64, &'static str), (u64, &'static str)> {
-        open(&self.ended, self.txn, retention::ENDED)
+        open(&self.ended, self.txn, ENDED)
     }
 
     pub(super) fn usage(&self) -> Open<'_, 't, &'static str, (u64, u64, u64)> {
-        open(&self.usage, self.txn, usage::USAGE)
+        open(&self.usage, self.txn, USAGE)
     }
 }
+
+/// Identity → work.
+pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
+
+/// Tenant and digest → the last job that ended with it.
+pub(super) const EQUAL: TableDefinition<'_, &str, &str> = TableDefinition::new("equal_jobs");
+
+/// Term and identity.
+pub(super) const INDEX: TableDefinition<'_, (&str, &str), ()> = TableDefinition::new("index");
+
+/// Tenant and digest → rows that need it; never 0.
+pub(super) const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
+
+/// Time of the end and identity → bytes of work, log, files and results, and tenant.
+pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
+
+/// Tenant → bytes, day, processor time of the jobs that ended on that day in µs.
+pub(super) const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");

@@ -4,16 +4,13 @@
 
 use std::collections::BTreeMap;
 
-use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadTransaction, ReadableTable, WriteTransaction};
 
-use super::tables::TransactionTables;
-use super::{JOB, readable, retention, storage};
+use super::tables::{TransactionTables, USAGE};
+use super::{JOB, readable, storage};
 use crate::ledger::record::JobRecord;
 use crate::ledger::{Usage, day};
 use crate::reason::Refusal;
-
-/// Tenant → bytes, day, processor time of the jobs that ended on that day in µs.
-pub(super) const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
 
 fn usage((bytes, day, cpu_us): (u64, u64, u64)) -> Usage {
     Usage { bytes, day, cpu_us, machines: 0 }
@@ -79,7 +76,7 @@ fn counted(jobs: impl Iterator<Item = (String, String)>, listed: &BTreeMap<Strin
 /// Counts the bytes of all tenants anew.
 pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let mut listed = BTreeMap::new();
-    for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
+    for row in txn.open_table(super::tables::ENDED).map_err(storage)?.iter().map_err(storage)? {
         let (key, row) = row.map_err(storage)?;
         listed.insert(key.value().1.to_owned(), row.value().0);
     }
@@ -122,7 +119,7 @@ pub(super) fn in_micros(txn: &WriteTransaction) -> Result<(), Refusal> {
 /// Whether the bytes agree with the list of ended jobs.
 pub(super) fn agree(txn: &ReadTransaction, jobs: &[JobRecord]) -> Result<bool, Refusal> {
     let mut listed = BTreeMap::new();
-    for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
+    for row in txn.open_table(super::tables::ENDED).map_err(storage)?.iter().map_err(storage)? {
         let (key, row) = row.map_err(storage)?;
         listed.insert(key.value().1.to_owned(), row.value().0);
     }

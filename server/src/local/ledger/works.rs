@@ -4,16 +4,13 @@
 
 use std::collections::BTreeSet;
 
-use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
+use redb::TableHandle as _;
+use redb::{ReadTransaction, ReadableTable, WriteTransaction};
 
-use super::tables::TransactionTables;
-use super::{JOB, parse, readable, rows, seal, storage};
+use super::tables::{TransactionTables, WORK};
+use super::{JOB, parse, readable, seal, storage};
 use crate::ledger::record::{JobRecord, JobWork};
-use crate::ledger::settled::Settled;
 use crate::reason::Refusal;
-
-/// Identity → work.
-pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
 
 /// Stores the work of a job.
 pub(super) fn put(tables: &TransactionTables<'_>, id: &str, work: &JobWork) -> Result<(), Refusal> {
@@ -27,17 +24,6 @@ pub(super) fn get(tables: &TransactionTables<'_>, id: &str) -> Result<Option<Job
     let table = tables.work()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(WORK, id, row.value())).transpose()
-}
-
-/// Adds the outcome of a question to the work of a job, unless the job has ended.
-pub(super) fn settle(tables: &TransactionTables<'_>, id: &str, settled: Settled) -> Result<(), Refusal> {
-    match (rows::get(tables, id)?, get(tables, id)?) {
-        (Some(record), Some(mut work)) if !record.state.ended() => {
-            work.settle(settled);
-            put(tables, id, &work)
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The work of a job as a reader sees it.
