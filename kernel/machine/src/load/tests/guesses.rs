@@ -234,6 +234,18 @@ fn a_program_that_commands_another_channel_is_for_a_machine_that_has_it() {
 }
 
 #[test]
+fn programs_of_linuxcnc_and_grbl_show_it() {
+    for text in [
+        "o100 sub\nG1 X10 Y5\no100 endsub\n",
+        "G21 G90\n#<depth>=5\nG0 Z[#<depth>]\nG1 X1 Y2 F100\n",
+        "G21 G90 G64 P0.01\nG1 X1 Y2 F100\n",
+    ] {
+        assert_eq!(machine("p.ngc", text).as_deref(), Ok("linuxcnc-mill"), "{text}");
+    }
+    assert_eq!(machine("p.nc", "$H\nG21 G90\nG1 X1 Y2 F100\n").as_deref(), Ok("grbl-router"));
+}
+
+#[test]
 fn what_cannot_be_guessed_is_refused() {
     let refused = |files: &[(&str, &str)], with: &str| {
         let why = of_files(files, None).unwrap_err();
@@ -261,7 +273,6 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "G96 S200\n")], "never wait for each other");
     // Controls that no machine has.
     refused(&[("p.gcode", ";FLAVOR:Marlin\nG28\nG1 X10 Y10 Z0.3 F3000 E0\nG1 X50 E2\n")], "a 3D printer");
-    refused(&[("p.ngc", "o100 sub\nG1 X10 Y5\no100 endsub\n")], "a LinuxCNC control");
     // An ISG control has a machine, for three programs.
     refused(&[("p.nc", "P1 = 5\n$FOR P1=1,3,1\nG1 X1 Y2\n#TIME 2\n")], "an ISG control");
     // Marks of several controls.
@@ -276,8 +287,6 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("p.gcode", "G21\nG90\nM106 S255\nG1 X1 Y1 F100\nM107\n", "a 3D printer"),
     ("p.nc", "G21\nG90\nM4 S0\nG1 X10 Y10 S500 F1000\nM5\n", "a laser control"),
     ("p.nc", "G21\nG90\nM3\nG1 X10 Y10 S500 F1000\nG1 X20 S0\n", "a laser control"),
-    ("p.ngc", "G21 G90\n#<depth>=5\nG0 Z[#<depth>]\nG1 X1 Y2 F100\n", "a LinuxCNC control"),
-    ("p.ngc", "G21 G90 G64 P0.01\nG1 X1 Y2 F100\n", "a LinuxCNC control"),
     ("p.drl", "M48\nMETRIC,TZ\nT1C0.8\n%\nG90\nG05\nT1\nX10.0Y20.0\nX11.0Y20.0\nM30\n", "a drill for circuit boards"),
     ("p.iso", "O1\nG92 X0 Y0\nG41 D1\nG1 X1. Y2. U0.5 V0.2\nM50\nM60\n", "a wire EDM control"),
     ("p.src", "DEF PART()\nPTP {A1 0,A2 -90,A3 90}\nLIN {X 100,Y 20,Z 30,A 0,B 90,C 0}\nEND\n", "no blocks"),
