@@ -182,6 +182,10 @@ class Program:
         self.moving = False
         self.add(rng.choice([f"G43.1 Z{number(self.value(0, 30))}", "G49", "G43 H1"]))
 
+    def peck(self):
+        """A depth that no hole is a multiple of."""
+        return round(self.rng.uniform(1, 6), 3) + 0.00037
+
     def cycle(self):
         rng = self.rng
         self.moving = False
@@ -189,11 +193,13 @@ class Program:
         level = rng.choice(["G98", "G99"])
         if code == "G85":
             level = "G99"
-        extra = {"G82": " P.2", "G83": f" Q{number(self.value(1, 6))}", "G73": f" Q{number(self.value(1, 6))}"}.get(code, "")
+        extra = {"G82": " P.2", "G83": f" Q{number(self.peck())}", "G73": f" Q{number(self.peck())}"}.get(code, "")
         if rng.random() < 0.4:
             self.add("G91")
             self.add(f"{level} {code} X{number(self.value(-9, 9))} Y{number(self.value(-9, 9))} Z-{number(self.value(1, 30))} "
                      f"R{number(self.value(-3, 5))}{extra} L{rng.randint(1, 3)}")
+            for _ in range(rng.randint(0, 2)):
+                self.add(f"{rng.choice('XY')}{number(self.value(-9, 9))}")
             self.add("G90")
         else:
             clear = self.value(0, 20)
@@ -306,7 +312,8 @@ class Program:
             self.add(f"o{name} return" + rng.choice(["", f" [[{self.sum()}] MOD 30]"]))
             self.add(f"o{self.label} endif")
         self.some()
-        self.add(f"o{name} endsub" + rng.choice(["", f" [[{self.sum()}] MOD 30]"]))
+        # rs274 evaluates this value when it passes the definition, too, so it is always there.
+        self.add(f"o{name} endsub [[{self.sum()}] MOD 30]")
 
     def define(self, names):
         for name in names:
@@ -345,9 +352,9 @@ def peer_moves(args, folder, name, lines):
     return moves_of(done.stdout), ""
 
 
-def moves_of(text):
+def moves_of(text, at=None):
     from math import cos, radians, sin
-    work, shift, tool, angle, plane, at, unit, moves = [0.0] * 3, [0.0] * 3, [0.0] * 3, 0.0, "XY", None, 1.0, []
+    work, shift, tool, angle, plane, unit, moves = [0.0] * 3, [0.0] * 3, [0.0] * 3, 0.0, "XY", 1.0, []
 
     def machine(point):
         x, y, z = (p + s for p, s in zip(point, shift))

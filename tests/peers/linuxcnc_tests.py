@@ -68,7 +68,7 @@ def main():
                 continue
             lines = program.splitlines()
             own, told = rs274.own_moves(args, folder, "test", lines, "")
-            peer = moves_of(expected)
+            peer = moves_of(expected, [0.0] * 3)
             if not peer:
                 continue
             what = near(own, peer)

@@ -12,6 +12,9 @@ use counterpoint_control_api::words::Span;
 /// Letters of axes.
 pub(super) const AXES: &[u8] = b"xyzabcuvw";
 
+/// Letters of GRBL besides G, M and N.
+const GRBL_LETTERS: &[u8] = b"fijklprstxyz";
+
 /// A word with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BlockWord {
@@ -224,6 +227,11 @@ impl BlockWords {
         };
         for word in &self.words {
             let letter = word.letter;
+            if grbl && !GRBL_LETTERS.contains(&letter) {
+                let name = char::from(letter.to_ascii_uppercase());
+                let text = format!("{name} is not a word of this control: remove it");
+                return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, text));
+            }
             let always = matches!(letter, b'f' | b's' | b't') || AXES.contains(&letter);
             if !always && !of_codes(letter) && !of_m(letter) {
                 let name = char::from(letter.to_ascii_uppercase());
@@ -284,6 +292,8 @@ mod tests {
         for (text, error) in [
             ("g81 x1 z1 r2", 20),
             ("m6", 20),
+            ("g0 x1 a1", 20),
+            ("o1", 20),
             ("g59.1", 20),
             ("g0 g1", 21),
             ("g20 g21", 21),

@@ -1,7 +1,8 @@
 //! Canned cycles G73, G74, G81 to G86, G89.
 //!
-//! Facts: LinuxCNC documentation, "Canned cycles". Heights are positions for the kernel: R and Z of incremental mode are
-//! added here. *Invariant:* the initial level is that before the first of a series of cycles.
+//! Facts: LinuxCNC documentation, "Canned cycles". Heights are positions for the kernel: R of incremental mode counts
+//! from the initial level, Z from R. If R is above the initial level, the tool goes to R before it moves in the plane
+//! (both as in rs274 and its tests). *Invariant:* the initial level is that before the first of a series of cycles.
 
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes as ids;
@@ -82,7 +83,7 @@ impl Rs274 {
             refused(28, format!("{name} needs {letter}: add the word"))
         };
         let (z, r) = (sticky.z.ok_or_else(|| missing(letter))?, sticky.r.ok_or_else(|| missing(b'r'))?);
-        let clear = if relative { here + r } else { r };
+        let clear = if relative { initial + r } else { r };
         let depth = if relative { clear + z } else { z };
         if clear < depth {
             return Err(refused(20, format!("R of {name} is below the bottom of the hole")).into());
@@ -99,7 +100,7 @@ impl Rs274 {
         if count.fract() != 0.0 || !(1.0..=9999.0).contains(&count) {
             return Err(refused(20, format!("L of {name} is a whole number from 1 on")).into());
         }
-        if here < clear {
+        if initial < clear && here != clear {
             push_code(host, b'G', 0.0, span);
             push_axis(host, along, if relative { clear - here } else { clear }, span)?;
             host.end_block();

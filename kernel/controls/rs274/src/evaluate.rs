@@ -5,6 +5,7 @@
 use counterpoint_fault as diag;
 
 use super::expr::{ParameterName, Rs274Expr, Rs274Op, number_of};
+use super::parameters::HIGHEST;
 use super::text::{BlockText, Rs274Cursor, Rs274Mistake};
 use super::{Outcome, Rs274, Rs274Stop};
 use counterpoint_control_api::expression::{Evaluate, Stack};
@@ -29,6 +30,7 @@ impl Evaluate<f64, Rs274Op> for Rs274Evaluator<'_> {
                 Ok(self.rs274.read_number(self.host, number))
             }
             Rs274Op::Named(name) => self.rs274.read_named(self.host, name),
+            Rs274Op::ExistsNumber => Ok(truth(number_of(stack.pop()).is_some_and(|number| number <= HIGHEST))),
             Rs274Op::Exists(name) => Ok(truth(self.rs274.named_value(self.host, name).is_some())),
         }
     }

@@ -26,6 +26,8 @@ pub(super) enum Rs274Op {
     Named(Box<str>),
     /// Whether a parameter with this name exists.
     Exists(Box<str>),
+    /// Whether a parameter with the last value as its number exists.
+    ExistsNumber,
 }
 
 pub(super) type Rs274Expr = CompiledExpression<f64, Rs274Op>;
@@ -172,9 +174,15 @@ impl<'c, 't> Rs274ExpressionReader<'c, 't> {
         if self.cursor.takes("exists") {
             self.cursor.expect("[")?;
             self.cursor.expect("#")?;
-            let name = name(self.cursor)?;
+            if self.cursor.here() == Some(b'<') {
+                let name = name(self.cursor)?;
+                self.cursor.expect("]")?;
+                return Ok(self.push(Op::Own(Rs274Op::Exists(name))));
+            }
+            signed(self)?;
             self.cursor.expect("]")?;
-            return Ok(self.push(Op::Own(Rs274Op::Exists(name))));
+            self.ops.push(Op::Own(Rs274Op::ExistsNumber));
+            return Ok(ExpressionPart { start, truth: false });
         }
         let Some((_, function)) = FUNCTIONS.iter().find(|(name, _)| self.cursor.takes(name)) else {
             return Err(self.cursor.expected("a value"));

@@ -161,7 +161,7 @@ impl Rs274 {
                     return Err(refused(text).into());
                 }
                 520 => {
-                    self.offsets.g92 = chosen(self.offsets.g92);
+                    self.offsets.g92 = chosen(self.g92_in_force());
                     self.offsets.applied = true;
                     self.apply_preset(host);
                 }
