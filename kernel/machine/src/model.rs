@@ -373,19 +373,19 @@ pub struct Spindle {
     pub run_up: f64,
     /// The actions that the change of its speed runs in parallel with.
     pub overlap: TimeOverlap,
-    /// Number of the spindle that it follows by codes that name none.
+    /// Number of the spindle that it follows when a coupling code names no spindle.
     pub follows: Option<u16>,
-    /// Seconds in which it takes a phase to another spindle.
+    /// Seconds to reach its phase to the leading spindle.
     pub phase: f64,
-    /// Its chuck when a program begins, if the machine knows chucks.
+    /// State of its chuck when a program begins, if the machine knows chucks.
     pub chuck: Option<ChuckAtStart>,
-    /// The axis that moves it along the part.
+    /// The axis that moves it to the part and back.
     pub slide: Option<AxisId>,
-    /// Its chuck takes a turning part over only in phase.
+    /// Its chuck may close on a turning part only in phase.
     pub takes_in_phase: bool,
 }
 
-/// A chuck when a program begins.
+/// State of a chuck when a program begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChuckAtStart {
     /// Closed on a bar.
@@ -405,7 +405,7 @@ impl ChuckAtStart {
 }
 
 impl Machine {
-    /// The spindles that hand parts over, the one that follows second, if the machine knows their chucks.
+    /// The two spindles that transfer parts, leader first, if the machine knows their chucks.
     #[must_use]
     pub fn chucks(&self) -> Option<(SpindleId, SpindleId)> {
         let follower = self.spindles.find(|spindle| spindle.follows.is_some() && spindle.chuck.is_some())?;
@@ -415,7 +415,7 @@ impl Machine {
 }
 
 impl Spindle {
-    /// Seconds in which its speed changes by this much, rev/min.
+    /// Seconds for a change of its speed by `change`, rev/min.
     #[must_use]
     pub fn ramp(&self, change: f64) -> f64 {
         if self.run_up > 0.0 && self.max > 0.0 { self.run_up * change.abs() / self.max } else { 0.0 }

@@ -1,9 +1,9 @@
-//! The chucks of two spindles that hand parts over: open or closed, and the piece in them.
+//! The chucks of two spindles that transfer parts: open or closed, and the piece in them.
 //!
-//! *Invariant:* both chucks hold one piece (`joined`) only after the second one closed on it, until it is cut off or
-//! leaves the first one.
+//! *Invariant:* a piece is in both chucks (`joined`) from the closing of the sub-chuck on it until the piece is cut off
+//! or leaves one of the chucks.
 
-/// What a chuck can hold.
+/// Kind of a piece in a chuck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkPiece {
     /// A bar: it stays in the spindle while the chuck is open.
@@ -15,7 +15,7 @@ pub enum WorkPiece {
 /// A chuck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Chuck {
-    /// It is open.
+    /// The chuck is open.
     pub open: bool,
     /// The piece in it.
     pub piece: Option<WorkPiece>,
@@ -58,7 +58,7 @@ impl ChuckPair {
         sub && self.away && self.sub.open && self.sub.piece.is_none() && self.main.piece.is_some() && !self.joined
     }
 
-    /// Closes a chuck; nothing happens to a closed one. The empty main chuck closes on a part that was loaded.
+    /// Closes a chuck; a closed chuck does not change. An empty main chuck closes on a newly loaded part.
     pub fn close(&mut self, sub: bool) -> ChuckEffect {
         let joins = self.would_join(sub);
         if sub {
@@ -81,7 +81,7 @@ impl ChuckPair {
         self.joined && !self.chuck(sub).open && self.chuck(!sub).open
     }
 
-    /// Opens a chuck. The sub-spindle lets go a piece that the main chuck holds too.
+    /// Opens a chuck. A piece in both chucks leaves the sub-chuck when that chuck opens.
     pub fn open(&mut self, sub: bool) -> ChuckEffect {
         let joined = self.joined;
         let own = if sub { &mut self.sub } else { &mut self.main };
@@ -95,7 +95,7 @@ impl ChuckPair {
         ChuckEffect::None
     }
 
-    /// Cuts the part off, if both closed chucks hold it; whether they did.
+    /// Cuts the part off if both closed chucks hold it. Returns whether the part was cut off.
     pub fn cut_off(&mut self) -> bool {
         let cuts = self.joined && !self.main.open && !self.sub.open;
         if cuts {
@@ -105,7 +105,7 @@ impl ChuckPair {
         cuts
     }
 
-    /// The sub-spindle takes a part out of the open main chuck; whether it does. A bar it only pulls.
+    /// Takes a part out of the open main chuck with the sub-spindle. Returns whether it did: a bar is only pulled.
     pub fn take_out(&mut self) -> bool {
         let takes = self.joined && self.main.open && !self.sub.open && self.main.piece == Some(WorkPiece::Part);
         if takes {

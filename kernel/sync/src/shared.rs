@@ -178,9 +178,9 @@ impl SpeedChanges {
 pub struct SpindleCoupling {
     /// Leading spindle, by index of the machine's list.
     pub leader: usize,
-    /// Revolutions of the follower per revolution of the leader; negative: the other way round.
+    /// Revolutions of the follower per revolution of the leader; negative: in the opposite direction.
     pub ratio: f64,
-    /// Angle between both, degrees, if they turn in phase.
+    /// Angle between the spindles, degrees, if they turn in phase.
     pub phase: Option<f64>,
 }
 
@@ -199,15 +199,15 @@ pub struct SharedSpindle {
     pub writer: u16,
     /// Channels that have met the writer since its write.
     pub ordered: ChannelSet,
-    /// The spindle that it follows.
+    /// The coupling in which the spindle follows another spindle.
     pub coupling: Option<SpindleCoupling>,
     /// Largest speed that the spindles coupled with it allow, rev/min.
     pub ceiling: Option<f64>,
 }
 
 impl SharedSpindle {
-    /// Records a write by a channel. Returns the channel whose write that of no meeting orders before this one, 0 for
-    /// none.
+    /// Records a write by a channel. Returns the channel of the previous write if no meeting orders that write before
+    /// this one, otherwise 0.
     pub fn written(&mut self, channel: u16) -> u16 {
         let other = self.writer != 0 && self.writer != channel && !self.ordered.has(channel);
         let conflict = if other { self.writer } else { 0 };

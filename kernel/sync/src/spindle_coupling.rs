@@ -1,6 +1,6 @@
-//! Spindles that turn together: one follows another in speed, and in phase if a program asks for it.
+//! Spindles that turn together: a follower has the speed of its leader and, if the program asks for it, its phase.
 //!
-//! *Invariant:* a spindle that others follow follows none itself; while a spindle follows, its own command has no
+//! *Invariant:* a spindle that has followers does not follow a spindle; while a spindle follows, its own command has no
 //! effect.
 
 use std::borrow::Cow;
@@ -11,7 +11,7 @@ use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::SurfaceSpeed;
 
 impl SpindleCoupling {
-    /// The command of the follower while the leader has this one.
+    /// The command of the follower while the leader has the command `leader`.
     #[must_use]
     pub fn command(&self, leader: &SpindleCommand) -> SpindleCommand {
         let times = self.ratio.abs();
@@ -58,7 +58,7 @@ pub enum CouplingRefusal {
 }
 
 impl SharedState {
-    /// The state in which a spindle is: its own, or by that of the spindle that it follows.
+    /// The current state of a spindle: its own state or, while it follows, the state derived from its leader.
     #[must_use]
     pub fn spindle(&self, index: usize) -> Option<Cow<'_, SharedSpindle>> {
         let own = self.spindles.get(index)?;
@@ -66,17 +66,17 @@ impl SharedState {
         self.spindles.get(coupling.leader).map(|leader| Cow::Owned(coupling.follower(leader, own)))
     }
 
-    /// Spindles that follow this one.
+    /// Spindles that follow `leader`.
     pub fn followers(&self, leader: usize) -> impl Iterator<Item = (usize, SpindleCoupling)> + '_ {
         let follows = move |spindle: &SharedSpindle| spindle.coupling.filter(|coupling| coupling.leader == leader);
         self.spindles.iter().enumerate().filter_map(move |(at, spindle)| follows(spindle).map(|of| (at, of)))
     }
 
-    /// Lets a spindle follow another one. Without a phase, it keeps the phase that it has. `most`: largest speeds of
-    /// all spindles, rev/min. Returns how it followed before.
+    /// Makes a spindle follow another spindle. Without a new phase, it keeps its current phase. `most`: largest speeds
+    /// of all spindles, rev/min. Returns the previous coupling.
     ///
     /// # Errors
-    /// One of both is coupled with a third spindle.
+    /// One of the two spindles is coupled with a third spindle.
     pub fn couple(
         &mut self,
         follower: usize,
@@ -102,7 +102,7 @@ impl SharedState {
         Ok(before)
     }
 
-    /// Ends a coupling: the spindle keeps this speed. Returns the coupling.
+    /// Ends a coupling; the follower keeps turning at `rpm`. Returns the coupling that ended.
     pub fn uncouple(&mut self, follower: usize, rpm: f64, most: &[f64]) -> Option<SpindleCoupling> {
         let command = self.spindle(follower)?.command;
         let spindle = self.spindles.get_mut(follower)?;
@@ -114,7 +114,7 @@ impl SharedState {
         Some(coupling)
     }
 
-    /// Limits coupled spindles to the speed that the slowest of them reaches.
+    /// Limits coupled spindles so that none exceeds its largest speed.
     fn limit_together(&mut self, leader: usize, most: &[f64]) {
         let of = |index: usize| most.get(index).copied().unwrap_or(f64::INFINITY);
         let followers: Vec<(usize, f64)> = self.followers(leader).map(|(at, coupling)| (at, coupling.ratio)).collect();

@@ -158,8 +158,8 @@ pub trait FlowHost {
     /// Returns from the subprogram at the end of the block, or ends the main program.
     fn return_from(&mut self);
 
-    /// The words that the interpreter leaves are a part of its block: when they have acted, the interpreter continues
-    /// the block ([`super::super::interpreter::Interpreter::rest`]).
+    /// The words that the interpreter leaves are the first part of its block. After they have acted, the interpreter
+    /// continues the block ([`super::super::interpreter::Interpreter::rest`]).
     fn continue_block(&mut self);
 
     /// Plain words are for the interpreter too, or no longer.

@@ -139,14 +139,15 @@ pub trait FrameHost {
     /// Lengths of a tool offset by axis, as the program counts now.
     fn tool_offset(&self, offset: u32) -> Vec<f64>;
 
-    /// Sets them; whether they were set. An active offset keeps its values where the machine changes them by a word.
+    /// Sets these lengths. Returns whether they were set. If a word of the machine activates changed values, an active
+    /// offset keeps its values until that word.
     fn set_tool_offset(&mut self, offset: u32, values: &[f64]) -> bool;
 
     /// Lengths of the tool that are active, by axis, as the program counts now.
     fn length_in_force(&self) -> Vec<f64>;
 
-    /// Sets the distance of the zero of all work offsets from their places by axis of the machine, as the program counts
-    /// now. The machine does not move.
+    /// Sets the shift of the zero of all work offsets, by axis of the machine, as the program counts now. The machine
+    /// does not move.
     fn set_preset(&mut self, values: &[f64]);
 
     /// Travel limits of an axis by its letter, in the machine frame.

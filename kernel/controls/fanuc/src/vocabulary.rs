@@ -1,4 +1,4 @@
-//! The words of the language that the control has: key words, statements, and G words that call a macro.
+//! The vocabulary of the control: keywords, statements, and G words that call a macro.
 
 use counterpoint_control_api::interpreter::MacroCall;
 use counterpoint_control_api::statement::{CLOSE_OUTPUT, OPEN_OUTPUT, Statements};

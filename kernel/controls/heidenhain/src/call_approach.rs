@@ -1,4 +1,4 @@
-//! How a call of a cycle leads to its position.
+//! The approach of a cycle call to its position.
 
 use counterpoint_control_api::host::InterpreterHost;
 

@@ -1,4 +1,4 @@
-//! Definitions of cycles, read: CYCL DEF and its parameters.
+//! Reads definitions of cycles: CYCL DEF and its parameters.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Statements, read.
+//! Reads statements.
 //!
 //! *Invariant:* reading changes nothing.
 

@@ -1,7 +1,7 @@
-//! The words of a block with their values, and what the control refuses before anything of the block acts.
+//! The words of a block with their values, and the checks that the control makes before any part of the block acts.
 //!
 //! Facts: LinuxCNC documentation, "Modal groups", "Order of execution", the errors of each code; Grbl 1.1, list of
-//! errors. *Invariant:* a block that passes has only words that one of its codes takes.
+//! errors. *Invariant:* in a block that passes, a code uses each word.
 
 use counterpoint_fault as diag;
 
@@ -33,12 +33,12 @@ pub(super) struct BlockWords {
     /// G codes in tenths, with their places.
     pub(super) g: Vec<(u16, Span)>,
     pub(super) m: Vec<(u16, Span)>,
-    /// The motion of the block; none if nothing moves.
+    /// The motion of the block, if anything moves.
     pub(super) motion: Option<u16>,
     pub(super) whole: Span,
 }
 
-/// Modes that decide what a block means.
+/// Modes that affect the meaning of a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BlockModes {
     pub(super) grbl: bool,
@@ -104,7 +104,7 @@ impl BlockWords {
         self.has(b'i') || self.has(b'j') || self.has(b'k')
     }
 
-    /// Refuses what the control refuses, and decides which motion the block makes.
+    /// Refuses the blocks that the control refuses, and determines the motion of the block.
     pub(super) fn check(&mut self, modes: BlockModes) -> Result<(), Rs274Mistake> {
         let codes = self.codes(modes.grbl)?;
         self.check_m(modes.grbl)?;
@@ -137,7 +137,7 @@ impl BlockWords {
         self.check_signs()
     }
 
-    /// The G codes, which the control has, at most one of each group.
+    /// The G codes of the block. Refuses unknown codes and two codes of one group.
     fn codes(&self, grbl: bool) -> Result<Vec<&'static GCode>, Rs274Mistake> {
         let mut codes: Vec<&'static GCode> = Vec::with_capacity(self.g.len());
         for (code, _) in &self.g {
@@ -145,7 +145,7 @@ impl BlockWords {
                 let text = format!("{} is not a code of this control", spelled(*code));
                 return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
             };
-            // G53 goes with a motion, G4 with anything.
+            // G53 may accompany a motion, G4 any code.
             let beside = |code: u16| matches!(code, 40 | 530);
             let same = |other: &&&GCode| {
                 other.group == facts.group && !(facts.group == 0 && (beside(other.code) || beside(facts.code)))
@@ -166,7 +166,7 @@ impl BlockWords {
                 let text = format!("M{code} is not a code of this control");
                 return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
             };
-            // Mist and flood may come together.
+            // Mist and flood coolant may be in the same block.
             if groups.contains(&facts.group) && facts.group != 8 {
                 let text = format!("M{code} is of the same modal group as another M code: write them in two blocks");
                 return Err(refused(21, text));
@@ -265,7 +265,7 @@ fn unknown(letter: char, value: f64) -> Rs274Mistake {
     Rs274Mistake::new(&diag::UNKNOWN_CODE, 23, format!("{letter}{value} is not a code of this control"))
 }
 
-/// A value close to a whole number.
+/// The whole number that a value is close to.
 pub(super) fn whole(value: f64) -> Option<u16> {
     let near = value.round();
     ((value - near).abs() < 0.001 && (0.0..=9999.0).contains(&near)).then_some(near as u16)

@@ -1,22 +1,22 @@
 //! The G and M codes of these controls: their modal groups, their use of axis words, and the letters they take.
 //!
 //! Facts: LinuxCNC documentation, "Modal groups" and the pages of the codes; Grbl 1.1, README and list of errors.
-//! *Invariant:* G codes count in tenths, 382 is G38.2.
+//! *Invariant:* G codes are in tenths: 382 is G38.2.
 
-/// Motion code while no motion is active.
+/// Motion code that represents no active motion.
 pub(super) const NO_MOTION: u16 = 800;
 
 /// How a code uses axis words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AxisUse {
     None,
-    /// A motion, which may have none.
+    /// A motion that may have axis words.
     Motion,
-    /// A motion without which the code means nothing.
+    /// A motion that needs axis words.
     MotionNeeds,
-    /// No motion; it keeps the active motion from using them.
+    /// Not a motion; takes the axis words, so the active motion does not use them.
     Takes,
-    /// The same, and it needs them.
+    /// Like `Takes`, but needs axis words.
     Needs,
 }
 
@@ -26,11 +26,11 @@ pub(super) struct GCode {
     pub(super) code: u16,
     pub(super) group: u8,
     pub(super) axes: AxisUse,
-    /// Letters that it takes besides axes.
+    /// Letters that it takes besides those of axes.
     pub(super) letters: &'static str,
-    /// Letters without which it means nothing.
+    /// Letters that it needs.
     pub(super) needs: &'static str,
-    /// Grbl 1.1 has it.
+    /// Grbl 1.1 has this code.
     pub(super) grbl: bool,
 }
 
@@ -128,12 +128,12 @@ pub(super) fn is_cycle(motion: u16) -> bool {
     matches!(motion, 730 | 740 | 810..=890)
 }
 
-/// The G code as it is written.
+/// The G code as programs write it.
 pub(super) fn spelled(code: u16) -> String {
     if code.is_multiple_of(10) { format!("G{}", code / 10) } else { format!("G{}.{}", code / 10, code % 10) }
 }
 
-/// An M code: its group, the letters it takes, those it needs.
+/// An M code: its group, the letters it takes, and the letters it needs.
 pub(super) struct MCode {
     pub(super) group: u8,
     pub(super) letters: &'static str,

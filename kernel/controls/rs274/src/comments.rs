@@ -1,8 +1,8 @@
-//! Comments that act: messages, printed values, files.
+//! Comments that have an effect: messages, printed values, files.
 //!
 //! Facts: LinuxCNC documentation, "Messages", "Probe logging", "Logging", "Comment parameters". Only the last comment of
-//! a block acts. Decisions: PRINT goes to the log of the job, files are files of the job; a name without a value is
-//! shown as `######`.
+//! a block has an effect. Decisions: PRINT writes to the log of the job, files are files of the job; a name without a
+//! value is shown as `######`.
 
 use counterpoint_fault as diag;
 
@@ -21,7 +21,7 @@ pub(super) struct CommentFiles {
     probe: Option<String>,
 }
 
-/// Most decimals of a value.
+/// Largest number of decimals of a value.
 const DECIMALS: usize = 9;
 
 impl Rs274 {
@@ -80,7 +80,7 @@ impl Rs274 {
         Ok(())
     }
 
-    /// A text with the values of its parameters.
+    /// Replaces the parameters in a text by their values.
     fn filled(&mut self, host: &mut dyn InterpreterHost, text: &str) -> String {
         let (mut out, mut decimals, mut rest) = (String::new(), 6, text);
         while let Some(next) = rest.chars().next() {
@@ -115,7 +115,7 @@ impl Rs274 {
     }
 }
 
-/// The parameter that a text begins with, and how long its name is.
+/// The parameter at the start of a text, and the length of its name.
 fn parameter(text: &str) -> Option<(usize, Target)> {
     let rest = text.get(1..)?;
     let length =
@@ -123,7 +123,7 @@ fn parameter(text: &str) -> Option<(usize, Target)> {
     Some((length + 1, spelled(text.get(..length + 1)?)?))
 }
 
-/// Decimals and length of the format that a text begins with: `%d`, `%f`, `%lf`, `%.3f`.
+/// Decimals and length of the format at the start of a text: `%d`, `%f`, `%lf`, `%.3f`.
 fn format_of(text: &str) -> Option<(usize, usize)> {
     for (format, decimals) in [("%d", 0), ("%f", 4), ("%lf", 6)] {
         if text.starts_with(format) {

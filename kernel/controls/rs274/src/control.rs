@@ -10,7 +10,7 @@ use counterpoint_program::syntax::{PLAIN, Syntax};
 static SYNTAX: Syntax =
     Syntax { numbered_programs: false, needs_interpreter: Some(needs_interpreter), keeps_names: true, ..PLAIN };
 
-/// Every block belongs to the interpreter: it keeps the active motion and refuses what the control refuses.
+/// The interpreter gets every block: it keeps the active motion and refuses the blocks that the control refuses.
 fn needs_interpreter(text: &[u8]) -> bool {
     !matches!(text.trim_ascii(), b"" | b"%")
 }

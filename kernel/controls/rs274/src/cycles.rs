@@ -1,8 +1,8 @@
 //! Canned cycles G73, G74, G81 to G86, G89.
 //!
-//! Facts: LinuxCNC documentation, "Canned cycles". Heights are positions for the kernel: R of incremental mode counts
+//! Facts: LinuxCNC documentation, "Canned cycles". The kernel gets heights as positions: R of incremental mode counts
 //! from the initial level, Z from R. If R is above the initial level, the tool goes to R before it moves in the plane
-//! (both as in rs274 and its tests). *Invariant:* the initial level is that before the first of a series of cycles.
+//! (both as in rs274 and its tests). *Invariant:* the initial level is the level before the first cycle of a series.
 
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes as ids;
@@ -32,7 +32,7 @@ pub(super) struct StickyWords {
 }
 
 impl StickyWords {
-    /// Another motion is active.
+    /// Ends the cycle, because another motion is active.
     pub(super) fn end(&mut self) {
         *self = Self { spline: self.spline, ..Self::default() };
     }
@@ -106,7 +106,7 @@ impl Rs274 {
             host.end_block();
         }
         let back = if host.is_active(ids::CYCLE_RETRACT_R) { clear } else { initial.max(clear) };
-        // These feed out of the hole up to the level of the return.
+        // These cycles feed out of the hole up to the return level.
         let feeds_out = matches!(code, 740 | 840 | 890) && back > clear;
         for pass in 0..count as u32 {
             push_code(host, b'G', f64::from(code / 10), span);

@@ -1,6 +1,6 @@
-//! Values of expressions, and settings of parameters.
+//! Values of expressions, and assignments to parameters.
 //!
-//! Facts: LinuxCNC documentation, "Parameters": a setting takes effect after all values of its block have been read.
+//! Facts: LinuxCNC documentation, "Parameters": an assignment takes effect after all values of its block are read.
 
 use counterpoint_fault as diag;
 
@@ -68,7 +68,7 @@ impl Rs274 {
         }
     }
 
-    /// Value of a parameter with a name.
+    /// Value of a named parameter.
     fn read_named(&mut self, host: &mut dyn InterpreterHost, name: &str) -> Outcome<f64> {
         if let Some(value) = self.named_value(host, name) {
             return Ok(value);
@@ -83,12 +83,12 @@ impl Rs274 {
         Err(Rs274Mistake::new(&diag::MACRO_VARIABLE, 1, text).into())
     }
 
-    /// Value of a parameter with a name, if it has one.
+    /// Value of a named parameter, if it has one.
     pub(super) fn named_value(&mut self, host: &dyn InterpreterHost, name: &str) -> Option<f64> {
         self.parameters.named(name).or_else(|| self.system_named(host, name))
     }
 
-    /// The parameter that a setting sets.
+    /// The parameter that an assignment sets.
     pub(super) fn target(&mut self, host: &mut dyn InterpreterHost, name: &ParameterName) -> Outcome<Target> {
         Ok(match name {
             ParameterName::Named(name) => Target::Named(name.clone()),
@@ -126,7 +126,7 @@ impl Rs274 {
         }
     }
 
-    /// Sets such a parameter; whether it was set.
+    /// Sets a parameter in native spelling. Returns whether it was set.
     pub(super) fn set_spelled(&mut self, host: &mut dyn InterpreterHost, text: &str, value: f64) -> bool {
         spelled(text).is_some_and(|target| self.set(host, &target, value).is_ok())
     }

@@ -1,8 +1,8 @@
-//! Expressions: their form and how they are read.
+//! Expressions: their compiled form and their reader.
 //!
-//! Facts: LinuxCNC documentation, "Expressions", "Binary operators", "Functions". *Invariant:* an expression has
-//! [`MOST`] parts at the most and is [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs
-//! out of stack.
+//! Facts: LinuxCNC documentation, "Expressions", "Binary operators", "Functions". *Invariant:* an expression has at
+//! most [`MOST`] parts and [`DEEPEST`] nested brackets, so reading, evaluating and dropping it never overflow the
+//! stack.
 
 use super::text::{Rs274Cursor, Rs274Mistake};
 use counterpoint_control_api::expression::{
@@ -10,10 +10,10 @@ use counterpoint_control_api::expression::{
 };
 use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 
-/// Parts of an expression.
+/// Largest number of parts of an expression.
 const MOST: usize = 256;
 
-/// Brackets and signs inside each other.
+/// Largest depth of nested brackets and signs.
 const DEEPEST: usize = 40;
 
 /// An operation that only this control has.
@@ -41,7 +41,7 @@ pub(super) enum ParameterName {
     Named(Box<str>),
 }
 
-/// Functions of one value besides those of all controls.
+/// Functions of one value in addition to those of all controls.
 const FUNCTIONS: &[(&str, NumericFunction)] = &[
     ("abs", NumericFunction::Abs),
     ("acos", NumericFunction::Acos),
@@ -215,7 +215,7 @@ impl<'c, 't> Rs274ExpressionReader<'c, 't> {
     }
 }
 
-/// The number of a parameter: close to a whole number.
+/// The number of a parameter, which must be close to a whole number.
 pub(super) fn number_of(value: f64) -> Option<u32> {
     let whole = value.round();
     ((value - whole).abs() < 0.0001 && (1.0..=1e6).contains(&whole)).then_some(whole as u32)
@@ -229,7 +229,7 @@ pub(super) fn name(cursor: &mut Rs274Cursor<'_>) -> Result<Box<str>, Rs274Mistak
     if name.is_empty() { Err(Rs274Mistake::syntax("the name in '< >' is empty")) } else { Ok(name.into()) }
 }
 
-/// The parameter that a setting names, after its `#`.
+/// The parameter that an assignment names, after its `#`.
 pub(super) fn parameter_name(cursor: &mut Rs274Cursor<'_>) -> Result<ParameterName, Rs274Mistake> {
     if cursor.here() == Some(b'<') {
         return name(cursor).map(ParameterName::Named);

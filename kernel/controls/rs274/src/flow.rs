@@ -1,8 +1,8 @@
-//! O codes and calls, executed.
+//! Executes O codes and calls.
 //!
-//! Facts: LinuxCNC documentation, "O codes". Decisions: a subprogram is looked for in the file of the call, then in the
-//! file of the main program, then in a file of its name; a call of a name that nothing has is an alarm. A value of
-//! `return` or `endsub` is #<_value>.
+//! Facts: LinuxCNC documentation, "O codes". Decisions: the search for a subprogram begins in the file of the call,
+//! then in the file of the main program, then in a file of its name; a call of an unknown name is an alarm. `return`
+//! and `endsub` store their value in #<_value>.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ impl Rs274 {
         Ok(host.go_to(line)?)
     }
 
-    /// The block of statements of the block in process.
+    /// The block of statements to which the current program block belongs.
     fn block_here(&mut self, host: &dyn ProgramHost) -> Outcome<OBlock> {
         let place = host.place();
         match self.places(host, place.file).block_of(place.line) {
@@ -66,7 +66,7 @@ impl Rs274 {
                 let block = self.block_here(host)?;
                 if self.is_true(host, code)? { Ok(()) } else { self.branch(host, &block) }
             }
-            // The branch before it has run.
+            // The previous branch has run.
             OWord::ElseIf | OWord::Else => {
                 let block = self.block_here(host)?;
                 self.go(host, block.last.saturating_add(1))
@@ -99,7 +99,7 @@ impl Rs274 {
         }
     }
 
-    /// The condition of IF does not hold: the first ELSEIF that does, otherwise ELSE, otherwise the end.
+    /// Continues after a false IF: at the first ELSEIF whose condition is true, otherwise at ELSE or at the end.
     fn branch(&mut self, host: &mut dyn InterpreterHost, block: &OBlock) -> Outcome<()> {
         let file = host.place().file;
         for mark in &block.marks {
@@ -141,7 +141,7 @@ impl Rs274 {
         self.go(host, block.first.saturating_add(1))
     }
 
-    /// The definition of a subprogram is no part of the program around it.
+    /// Skips the definition of a subprogram, which is not part of the program around it.
     fn pass_sub(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         let place = host.place();
         let Some(end) = self.places(host, place.file).end_of(line) else {
@@ -150,7 +150,7 @@ impl Rs274 {
         if (place.range.first, place.range.last) == (line, end) { Ok(()) } else { self.go(host, end.saturating_add(1)) }
     }
 
-    /// A program that M98 calls begins: the program before it has no end.
+    /// Ends the running program at the start of another program that M98 calls.
     fn pass_program(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         let place = host.place();
         let places = self.places(host, place.file);

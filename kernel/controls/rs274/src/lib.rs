@@ -1,9 +1,9 @@
-//! RS274/NGC: LinuxCNC, and GRBL, which has its words alone.
+//! RS274/NGC: LinuxCNC, and GRBL, which has only the words of the language.
 //!
 //! Facts: LinuxCNC documentation (G code chapters), Grbl 1.1 README and list of errors. A block is read once (`line`,
-//! kept by file and line). Its values are evaluated, then its settings take effect, then it is checked as a whole
-//! (`block`), and its parts act in the documented order (`run`). *Invariants:* the interpreter gets every block and knows
-//! the active motion; text that is not part of the language is an alarm and never goes unreported.
+//! kept by file and line). Its values are evaluated, and then its assignments take effect. Then it is checked as a
+//! whole (`block`), and its parts act in the documented order (`run`). *Invariants:* the interpreter gets every block
+//! and knows the active motion; text that is not part of the language is an alarm and never goes unreported.
 
 mod block;
 mod codes;
@@ -45,7 +45,7 @@ use text::Rs274Mistake;
 enum Rs274Stop {
     /// The channel stops.
     Halt(Halt),
-    /// An alarm that is still to be reported.
+    /// An alarm that has not been reported yet.
     Alarm(Rs274Mistake),
 }
 
@@ -68,7 +68,7 @@ type Outcome<T> = Result<T, Rs274Stop>;
 struct Rs274Modes {
     /// The active motion, in tenths.
     motion: u16,
-    /// Centres of arcs are positions (G90.1).
+    /// Arc centres are absolute positions (G90.1).
     absolute_centers: bool,
     /// The tool that the last T word has selected.
     selected: Option<u32>,
@@ -86,7 +86,7 @@ struct PendingBlock {
 /// The interpreter.
 #[derive(Debug)]
 pub struct Rs274 {
-    /// Without parameters and O codes, with the errors of GRBL.
+    /// GRBL: no parameters or O codes, and GRBL's error numbers.
     grbl: bool,
     parameters: parameters::Rs274Parameters,
     offsets: offsets::Rs274Offsets,
@@ -103,7 +103,7 @@ pub struct Rs274 {
 }
 
 impl Rs274 {
-    /// With the values that the machine gives parameters at the start.
+    /// Creates the interpreter with the machine's initial values of parameters.
     pub(crate) fn new(grbl: bool, initial: impl Iterator<Item = (u32, f64)>) -> Self {
         let parameters = parameters::Rs274Parameters::new(initial);
         let mut made = Self {
@@ -131,14 +131,14 @@ impl Rs274 {
         self.pending = PendingBlock::default();
     }
 
-    /// A block of a file, read.
+    /// Reads a block of a file.
     fn line_of(&mut self, host: &dyn InterpreterHost, file: FileId, line: u32) -> Arc<Result<Rs274Line, Rs274Mistake>> {
         let source = host.source(file);
         let text = source.as_ref().map(|source| source.line(line)).unwrap_or_default();
         self.read_line((file, line), text, true)
     }
 
-    /// A block, read; kept if its text is that of the file.
+    /// Reads a block; keeps the result if the text is that of the file.
     fn read_line(&mut self, key: (FileId, u32), text: &[u8], as_read: bool) -> Arc<Result<Rs274Line, Rs274Mistake>> {
         if let Some(line) = self.read.get(key).filter(|_| as_read) {
             return Arc::clone(line);
@@ -150,7 +150,7 @@ impl Rs274 {
         line
     }
 
-    /// A mistake becomes an alarm.
+    /// Reports a mistake as an alarm.
     fn reported<T>(&mut self, host: &mut dyn InterpreterHost, outcome: Outcome<T>) -> Result<T, Halt> {
         match outcome {
             Ok(done) => Ok(done),

@@ -1,4 +1,4 @@
-//! A block, read once.
+//! A block in the form in which it is read once.
 //!
 //! Facts: LinuxCNC documentation, "Format of a line", "O codes". *Invariant:* items are in the order of the text; a
 //! block with an O code has no other items.
@@ -10,15 +10,15 @@ use counterpoint_control_api::words::Span;
 /// A block.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rs274Line {
-    /// A slash is first.
+    /// The block begins with a slash.
     pub(super) skip: bool,
-    /// Sequence number, as far as it is whole.
+    /// Whole part of the sequence number.
     pub(super) number: Option<u32>,
     pub(super) items: Vec<Rs274Item>,
     pub(super) flow: Option<OCode>,
     /// Place of the text within the last comment.
     pub(super) comment: Option<Span>,
-    /// A line for the sender of the program, as `$H`.
+    /// A line for the sender of the program, such as `$H`.
     pub(super) for_sender: bool,
 }
 
@@ -32,7 +32,7 @@ pub(super) enum Rs274Item {
 /// A letter with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rs274Word {
-    /// Small letter, or `$`, `@`, `^`.
+    /// Lower-case letter, or `$`, `@`, `^`.
     pub(super) letter: u8,
     pub(super) value: Rs274Expr,
     /// The number as the program writes it, if it is one.
@@ -74,11 +74,11 @@ pub(super) enum OWord {
     EndRepeat,
     Break,
     Continue,
-    /// None: the start of a program that M98 calls.
+    /// No word: the start of a program that M98 calls.
     Program,
 }
 
-/// Words of O codes, longer ones before those they begin with.
+/// Words of O codes; a word comes before each shorter word that it begins with.
 const WORDS: &[(&str, OWord)] = &[
     ("endsub", OWord::EndSub),
     ("sub", OWord::Sub),
@@ -97,7 +97,7 @@ const WORDS: &[(&str, OWord)] = &[
     ("continue", OWord::Continue),
 ];
 
-/// Most arguments of a call.
+/// Largest number of arguments of a call.
 const ARGUMENTS: usize = 30;
 
 /// Reads a block; `language` is false for a control without parameters and O codes.
@@ -137,7 +137,7 @@ pub(super) fn read(text: &[u8], language: bool) -> Result<Rs274Line, Rs274Mistak
     Ok(line)
 }
 
-/// Takes the slash and the sequence number; whether there is a slash.
+/// Takes the slash and the sequence number. Returns whether there is a slash.
 pub(super) fn head(cursor: &mut Rs274Cursor<'_>, number: &mut Option<u32>) -> Result<bool, Rs274Mistake> {
     let skip = cursor.takes("/");
     if cursor.here() == Some(b'n') {
@@ -179,7 +179,7 @@ pub(super) fn label(cursor: &mut Rs274Cursor<'_>) -> Result<OLabel, Rs274Mistake
     })
 }
 
-/// A number as a label: without zeros before it.
+/// A number as a label, without leading zeros.
 pub(super) fn numbered(digits: &str) -> Box<str> {
     let digits = digits.trim_start_matches('0');
     if digits.is_empty() { "0".into() } else { digits.into() }

@@ -1,7 +1,7 @@
-//! Motions: lines, circles, threads, probes, splines, and the way to stored positions.
+//! Motions: lines, circles, threads, probes, splines, and moves to stored positions.
 //!
-//! Facts: LinuxCNC documentation of G0 to G5.3, G28, G30, G33, G33.1, G38, G53. Decisions: a spline is left as lines
-//! that are at most 0.002 mm beside it. A probing move touches at its end if the machine gives #5070 the value 1 at the
+//! Facts: LinuxCNC documentation of G0 to G5.3, G28, G30, G33, G33.1, G38, G53. Decisions: a spline becomes lines that
+//! deviate from it by at most 0.002 mm. A probing move touches at its end if the machine gives #5070 the value 1 at the
 //! start (`[variables] initial`), otherwise it never touches. *Invariant:* a block with a motion has its code.
 
 use counterpoint_fault as diag;
@@ -17,10 +17,10 @@ use super::{Outcome, Rs274};
 use counterpoint_control_api::host::{AxisPlace, InterpreterHost};
 use counterpoint_control_api::words::Span;
 
-/// How far the lines of a spline may be beside it, mm.
+/// Largest distance of the lines of a spline from the spline, mm.
 const SPLINE: f64 = 0.002;
 
-/// Most lines of a spline.
+/// Largest number of lines of a spline.
 const LINES: f64 = 1000.0;
 
 /// Letters of centres, by axis.
@@ -30,13 +30,13 @@ fn refused(error: u8, text: &str) -> Rs274Mistake {
     Rs274Mistake::new(&diag::REFUSED, error, text)
 }
 
-/// Position of the program along the axis of a letter.
+/// Program position along the axis of a letter.
 pub(super) fn work(places: &[AxisPlace], at: usize) -> f64 {
     axis(places, at).map_or(0.0, |place| place.work)
 }
 
 impl Rs274 {
-    /// The words of a motion; whether there are any.
+    /// Adds the words of a motion. Returns whether there are any.
     pub(super) fn push_motion(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<bool> {
         let Some(motion) = words.motion else { return Ok(false) };
         let before = std::mem::replace(&mut self.modes.motion, motion);
@@ -70,7 +70,7 @@ impl Rs274 {
         Ok(true)
     }
 
-    /// A word of a circle; a centre that is a position becomes a distance.
+    /// Adds a word of a circle; converts an absolute centre into a distance.
     fn push_arc(&self, host: &mut dyn InterpreterHost, words: &BlockWords, word: &BlockWord) -> Outcome<()> {
         if matches!(word.letter, b'p') && !words.has_g(40) {
             return push_word(host, word);
@@ -85,7 +85,7 @@ impl Rs274 {
         }
     }
 
-    /// G53 in incremental mode: positions of the machine all the same.
+    /// G53 in incremental mode: axis words are machine positions nevertheless.
     fn machine_distance(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<()> {
         let span = words.whole;
         push_code(host, b'G', 90.0, span);
@@ -100,7 +100,7 @@ impl Rs274 {
         Ok(())
     }
 
-    /// G28 and G30: by way of the point of the block to the stored position.
+    /// G28 and G30: moves to the stored position through the point of the block.
     pub(super) fn go_home(
         &mut self,
         host: &mut dyn InterpreterHost,
@@ -131,7 +131,7 @@ impl Rs274 {
             let word = axes.iter().find(|word| word.letter == *letter);
             if axes.is_empty() || word.is_some() {
                 let to = stored.get(at).copied().unwrap_or(0.0) / if place.turns { 1.0 } else { factor };
-                // The way from the point of the block.
+                // The move from the point of the block.
                 let from = place.work + word.map_or(0.0, |word| word.value);
                 push_axis(host, at, if relative { to - from } else { to }, span)?;
             }
@@ -167,7 +167,7 @@ impl Rs274 {
         Ok(())
     }
 
-    /// G5 and G5.1 as lines.
+    /// Converts G5 and G5.1 into lines.
     fn spline(
         &mut self,
         host: &mut dyn InterpreterHost,
@@ -233,7 +233,7 @@ impl Rs274 {
         Ok(())
     }
 
-    /// Parameters of a probing move.
+    /// Sets the parameters of a probing move.
     pub(super) fn probed(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
         let places = host.axes();
         for (number, at) in (PROBED..).zip(0..AXES.len()) {
@@ -255,7 +255,7 @@ fn letter_of(places: &[AxisPlace], letter: u8) -> Option<&AxisPlace> {
     axis(places, AXES.iter().position(|known| *known == letter)?)
 }
 
-/// The feed word of a block that moves.
+/// Adds the feed word of a block that moves.
 pub(super) fn push_feed(host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<()> {
     match words.word(b'f') {
         Some(feed) if words.has_axes() => push_word(host, feed),
@@ -263,7 +263,7 @@ pub(super) fn push_feed(host: &mut dyn InterpreterHost, words: &BlockWords) -> O
     }
 }
 
-/// Number of lines that keep this near to a cubic curve.
+/// Number of lines that stay within `near` of a cubic curve.
 fn lines_of(points: &[[f64; 2]; 4], near: f64) -> u32 {
     let [a, b, c, d] = points;
     let bend =
@@ -281,7 +281,7 @@ fn curve(points: &[[f64; 2]; 4], t: f64) -> [f64; 2] {
     [value(a[0], b[0], c[0], d[0]), value(a[1], b[1], c[1], d[1])]
 }
 
-/// Adds the word of an axis.
+/// Adds an axis word.
 pub(super) fn push_axis(host: &mut dyn InterpreterHost, at: usize, value: f64, span: Span) -> Outcome<()> {
     let letter = AXES.get(at).copied().unwrap_or(b'x').to_ascii_uppercase();
     push_value(host, letter, value, span)

@@ -1,8 +1,8 @@
 //! Work offsets, tool offsets, presets and stored positions: G10, G28.1, G30.1, G43.1, G43.2, G52, G92.
 //!
-//! Facts: LinuxCNC documentation of these codes. A point of the machine is the turned sum of programmed point and
-//! preset, plus the work offset and the tool offset. *Invariant:* values are in the unit of the machine, by place among
-//! [`AXES`].
+//! Facts: LinuxCNC documentation of these codes. A machine point is the rotated sum of the programmed point and the
+//! preset, plus the work offset and the tool offset. *Invariant:* values are in the unit of the machine, in the order
+//! of [`AXES`].
 
 use counterpoint_fault as diag;
 
@@ -20,7 +20,7 @@ pub(super) const OWN_LENGTH: u32 = 999_998;
 /// Number of the radius that the program itself sets (G41.1, G42.1).
 pub(super) const OWN_RADIUS: u32 = 999_999;
 
-/// One value for each letter of an axis.
+/// One value for each axis letter.
 pub(super) type Letters = [f64; 9];
 
 /// Presets and stored positions.
@@ -33,7 +33,7 @@ pub(super) struct Rs274Offsets {
     pub(super) stored: [Letters; 2],
 }
 
-/// X and Y turned by an angle.
+/// Rotates X and Y by an angle.
 fn turned(mut values: Letters, degrees: f64) -> Letters {
     if degrees != 0.0
         && let [x, y, ..] = &mut values
@@ -57,7 +57,7 @@ fn refused(text: impl Into<String>) -> Rs274Mistake {
 }
 
 impl Rs274 {
-    /// Angle by which a work offset turns X and Y.
+    /// Angle by which a work offset rotates X and Y.
     pub(super) fn rotation(&self, host: &dyn InterpreterHost, system: u32) -> f64 {
         host.offset_turn(system).map_or(0.0, |turn| {
             let [cos, _, _, sin, ..] = turn;
@@ -65,7 +65,7 @@ impl Rs274 {
         })
     }
 
-    /// Tool offset that is active.
+    /// The active tool offset.
     pub(super) fn tool_offset_in_force(&self, host: &dyn InterpreterHost, places: &[AxisPlace]) -> Letters {
         by_letter(places, &host.length_in_force(), host.length_factor())
     }
@@ -74,7 +74,7 @@ impl Rs274 {
         if self.offsets.applied { self.offsets.g92 } else { Letters::default() }
     }
 
-    /// The programmed point of a point of the machine.
+    /// The programmed point that corresponds to a machine point.
     pub(super) fn point_of_machine(&self, host: &dyn InterpreterHost, machine: Letters) -> Letters {
         let (places, factor, system) = (host.axes(), host.length_factor(), host.work_offset().max(1));
         let origin = by_letter(&places, &host.offset(system), factor);
@@ -83,7 +83,7 @@ impl Rs274 {
         difference(turned, self.g92_in_force())
     }
 
-    /// Makes the preset active in the direction that the active work offset has.
+    /// Activates the preset in the direction of the active work offset.
     pub(super) fn apply_preset(&mut self, host: &mut dyn InterpreterHost) {
         let angle = self.rotation(host, host.work_offset().max(1));
         let places = host.axes();
@@ -120,7 +120,7 @@ impl Rs274 {
         }
     }
 
-    /// Axis words of a block in the unit of the machine; none where there is no word.
+    /// Axis words of a block in the unit of the machine; `None` for an axis without a word.
     fn axis_words(
         &self,
         host: &dyn InterpreterHost,
@@ -166,7 +166,7 @@ impl Rs274 {
                     self.apply_preset(host);
                 }
                 920 => {
-                    // The point stays where it is and gets another name.
+                    // The axes do not move: the current point gets new coordinates.
                     let before = self.g92_in_force();
                     self.offsets.g92 = difference(sum(before, work), chosen(work));
                     self.offsets.applied = true;
@@ -330,7 +330,7 @@ impl Rs274 {
     }
 }
 
-/// A word of an axis that the machine does not have.
+/// The mistake of a word for an axis that the machine does not have.
 pub(super) fn no_axis(letter: u8) -> Rs274Mistake {
     let name = char::from(letter.to_ascii_uppercase());
     Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, format!("this machine has no axis {name}: remove the word"))

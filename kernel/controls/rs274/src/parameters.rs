@@ -1,9 +1,9 @@
-//! The parameters of a channel: by number, with names, local ones of subprograms.
+//! The parameters of a channel: numbered, named, and local to subprograms.
 //!
 //! Facts: LinuxCNC documentation, "Parameters" and "Call": #1 to #30 and names without a leading underscore belong to
-//! the subprogram that runs; a called subprogram begins with the arguments. Decision: those beyond are 0, as the page of
-//! parameters and rs274 say; the page of O codes gives them the values of the caller. Numbers that have no value are 0, names that have none are a mistake. *Invariant:* no value is infinite or not
-//! a number.
+//! the running subprogram; a called subprogram begins with the arguments. A number without a value is 0, a name without
+//! a value is a mistake. Decision: missing arguments are 0, as on the page of parameters and in rs274; the page of O
+//! codes gives them the caller's values. *Invariant:* no value is infinite or NaN.
 
 use std::collections::BTreeMap;
 
@@ -13,10 +13,10 @@ use rustc_hash::FxHashMap;
 use super::text::Rs274Mistake;
 use counterpoint_control_api::call_stack::CallStack;
 
-/// Most parameters that may have a value.
+/// Largest number of parameters that may have a value.
 const MOST: usize = 100_000;
 
-/// Parameters that belong to a subprogram.
+/// Number of parameters that belong to a subprogram.
 const LOCAL: usize = 30;
 
 /// Highest number of a parameter.
@@ -29,7 +29,7 @@ type Names = FxHashMap<Box<str>, f64>;
 pub(super) struct LocalParameters {
     numbers: [f64; LOCAL],
     names: Names,
-    /// Remaining passes of the repetitions that run, by line.
+    /// Remaining passes of the active REPEAT loops, by line.
     pub(super) repeats: BTreeMap<u32, u32>,
 }
 
@@ -39,28 +39,28 @@ pub(super) struct Rs274Parameters {
     numbers: FxHashMap<u32, f64>,
     names: Names,
     calls: CallStack<LocalParameters>,
-    /// Arguments of the call that comes next; none if it shares the parameters of its caller.
+    /// Arguments of the next call; `None` if it shares the parameters of its caller.
     arguments: Option<Vec<f64>>,
 }
 
 impl Rs274Parameters {
-    /// With the values that the machine gives.
+    /// Creates the parameters with the machine's initial values.
     pub(super) fn new(initial: impl Iterator<Item = (u32, f64)>) -> Self {
         Self { numbers: initial.collect(), ..Self::default() }
     }
 
-    /// The program begins again.
+    /// Resets the local parameters when the program begins again.
     pub(super) fn restart(&mut self) {
         self.calls = CallStack::default();
         self.arguments = None;
     }
 
-    /// The next subprogram gets these arguments.
+    /// Passes these arguments to the next subprogram.
     pub(super) fn pass(&mut self, arguments: Vec<f64>) {
         self.arguments = Some(arguments);
     }
 
-    /// A subprogram begins.
+    /// Enters a subprogram.
     pub(super) fn enter(&mut self) {
         match self.arguments.take() {
             Some(arguments) => {
@@ -74,12 +74,12 @@ impl Rs274Parameters {
         }
     }
 
-    /// A subprogram returns.
+    /// Leaves a subprogram.
     pub(super) fn leave(&mut self) {
         self.calls.leave();
     }
 
-    /// Subprograms that run.
+    /// Number of running subprograms.
     pub(super) fn depth(&self) -> usize {
         self.calls.depth()
     }
@@ -88,12 +88,12 @@ impl Rs274Parameters {
         self.calls.program()
     }
 
-    /// Remaining passes of repetitions.
+    /// Remaining passes of REPEAT loops.
     pub(super) fn repeats(&mut self) -> &mut BTreeMap<u32, u32> {
         &mut self.calls.here_mut().repeats
     }
 
-    /// A parameter by number, which is no system parameter.
+    /// A numbered parameter that is not a system parameter.
     pub(super) fn number(&self, number: u32) -> f64 {
         match (number as usize).checked_sub(1).and_then(|at| self.here().numbers.get(at)) {
             Some(value) => *value,
@@ -101,7 +101,7 @@ impl Rs274Parameters {
         }
     }
 
-    /// Sets a parameter by number; whether its value is another one now.
+    /// Sets a numbered parameter. Returns whether its value changed.
     pub(super) fn set_number(&mut self, number: u32, value: f64) -> Result<bool, Rs274Mistake> {
         let local = &mut self.calls.program_mut().numbers;
         if let Some(slot) = (number as usize).checked_sub(1).and_then(|at| local.get_mut(at)) {
@@ -114,12 +114,12 @@ impl Rs274Parameters {
         Ok(self.numbers.insert(number, value).map(f64::to_bits) != Some(value.to_bits()))
     }
 
-    /// A parameter with a name, if it has a value.
+    /// A named parameter, if it has a value.
     pub(super) fn named(&self, name: &str) -> Option<f64> {
         if name.starts_with('_') { self.names.get(name) } else { self.here().names.get(name) }.copied()
     }
 
-    /// Sets a parameter with a name; whether its value is another one now.
+    /// Sets a named parameter. Returns whether its value changed.
     pub(super) fn set_named(&mut self, name: &str, value: f64) -> Result<bool, Rs274Mistake> {
         let names = if name.starts_with('_') { &mut self.names } else { &mut self.calls.program_mut().names };
         if let Some(slot) = names.get_mut(name) {
@@ -132,7 +132,7 @@ impl Rs274Parameters {
         Ok(true)
     }
 
-    /// Bytes that they take, about.
+    /// Approximate size in bytes.
     pub(super) fn bytes(&self) -> usize {
         let local: usize = self.calls.iter().map(|local| local.names.len() * 80 + 300).sum();
         (self.numbers.len() + self.names.len()) * 80 + local

@@ -1,8 +1,8 @@
-//! Where O codes lead: subprograms, blocks of statements, programs of a file.
+//! Targets of O codes: subprograms, blocks of statements, programs of a file.
 //!
-//! Facts: LinuxCNC documentation, "O codes": labels of subprograms are those of the whole file, all others belong to
-//! their subprogram or to the main program. *Invariant:* partners are found in the text without running anything, so a
-//! jump out of a loop leaves nothing behind.
+//! Facts: LinuxCNC documentation, "O codes": labels of subprograms apply to the whole file, all others to their
+//! subprogram or to the main program. *Invariant:* partners are found in the text without executing it, so a jump out
+//! of a loop leaves no open block.
 
 use rustc_hash::FxHashMap;
 
@@ -27,7 +27,7 @@ pub(super) struct OBlock {
     pub(super) kind: OBlockKind,
     label: Box<str>,
     pub(super) first: u32,
-    /// 0 while it is open.
+    /// 0 while the block is open.
     pub(super) last: u32,
     /// Lines of ELSEIF and ELSE.
     pub(super) marks: Vec<u32>,
@@ -70,7 +70,7 @@ fn o_code_of(line: &[u8]) -> Option<(Box<str>, OWord)> {
 }
 
 impl OCodeIndex {
-    /// Looks through a file.
+    /// Indexes a file.
     pub(super) fn of(source: &ProgramSource) -> Self {
         let mut index = Self { lines: source.lines(), ..Self::default() };
         // Open blocks of the main program, and of the subprogram that is being read.

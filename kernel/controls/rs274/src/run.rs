@@ -1,8 +1,8 @@
-//! A block, executed part by part in the documented order.
+//! Executes a block part by part in the documented order.
 //!
-//! Facts: LinuxCNC documentation, "Order of execution". Words that the kernel orders by itself form one block. Codes that
-//! need the position after other words of their block (G10, G28, G92, cycles, centres of arcs as positions) come after
-//! these words have acted. *Invariant:* a part is executed once.
+//! Facts: LinuxCNC documentation, "Order of execution". Words that the kernel itself orders form one block. Codes that
+//! need the position after other words of their block (G10, G28, G92, cycles, absolute arc centres) act after these
+//! words. *Invariant:* a part is executed once.
 
 use std::collections::VecDeque;
 
@@ -22,11 +22,11 @@ use counterpoint_control_api::words::Span;
 /// Part of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BlockPart {
-    /// Words that no position depends on.
+    /// Words that act before the other parts.
     Before,
     /// The preset in the direction of another work offset.
     Preset,
-    /// G10, G52, G92, positions that are stored.
+    /// G10, G52, G92, and codes that store positions.
     Statement,
     Motion,
     /// The parameters of a probing move.
@@ -35,19 +35,19 @@ pub(super) enum BlockPart {
     Stops,
 }
 
-/// Modes that M70 and M73 have saved.
+/// Modes that M70 or M73 saved.
 #[derive(Debug, Clone)]
 pub(super) struct SavedModes {
-    /// Subprograms that ran.
+    /// Number of running subprograms at that time.
     depth: usize,
-    /// They are restored at the end of the subprogram.
+    /// The modes are restored at the end of the subprogram.
     returns: bool,
     kernel: ModalSnapshot,
     own: Rs274Modes,
 }
 
 impl Rs274 {
-    /// Executes a block; words that remain are added to the block.
+    /// Executes a block; the remaining words are left for the kernel.
     pub(super) fn carry_out(&mut self, host: &mut dyn InterpreterHost, text: &[u8]) -> Outcome<Remaining> {
         self.pending.parts.clear();
         let place = host.place();
@@ -79,7 +79,7 @@ impl Rs274 {
         self.begin_block(host, words)
     }
 
-    /// The words of a block with their values; settings take effect after all values have been read.
+    /// Evaluates the words of a block; assignments take effect after all values have been read.
     fn evaluate(&mut self, host: &mut dyn InterpreterHost, line: &Rs274Line) -> Outcome<BlockWords> {
         let (mut words, mut settings) = (BlockWords::default(), Vec::new());
         for item in &line.items {
@@ -130,7 +130,7 @@ impl Rs274 {
         self.next_part(host)
     }
 
-    /// The words of a block that the kernel itself puts in order.
+    /// Leaves the words of a block that the kernel itself orders.
     fn at_once(&mut self, host: &mut dyn InterpreterHost, words: BlockWords) -> Outcome<Remaining> {
         let before = self.push_before(host, &words)?;
         let moves = self.push_motion(host, &words)?;
@@ -138,7 +138,7 @@ impl Rs274 {
         Ok(if before || moves || stops { Remaining::Words } else { Remaining::Nothing })
     }
 
-    /// Executes parts up to one that leaves words.
+    /// Executes parts up to the first part that leaves words.
     pub(super) fn next_part(&mut self, host: &mut dyn InterpreterHost) -> Outcome<Remaining> {
         while let Some(part) = self.pending.parts.pop_front() {
             let words = std::mem::take(&mut self.pending.words);
@@ -154,7 +154,7 @@ impl Rs274 {
         Ok(Remaining::Nothing)
     }
 
-    /// Executes a part; whether it has left words.
+    /// Executes a part. Returns whether it left words.
     fn part(&mut self, host: &mut dyn InterpreterHost, part: BlockPart, words: &BlockWords) -> Outcome<bool> {
         match part {
             BlockPart::Before => self.push_before(host, words),
@@ -172,7 +172,7 @@ impl Rs274 {
         }
     }
 
-    /// The motion depends on the position after the other words of the block.
+    /// Whether the motion depends on the position after the other words of the block.
     fn needs_position(&self, host: &dyn InterpreterHost, words: &BlockWords) -> bool {
         let absolute = words.has_g(901) || self.modes.absolute_centers && !words.has_g(911);
         match words.motion {
@@ -184,7 +184,7 @@ impl Rs274 {
         }
     }
 
-    /// Words that act before any motion.
+    /// Adds the words that act before any motion.
     fn push_before(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<bool> {
         let mut wrote = false;
         for (code, span) in &words.g {
@@ -208,7 +208,7 @@ impl Rs274 {
             if word.letter == b't' {
                 self.modes.selected = Some(word.value as u32);
             }
-            // GRBL notes the tool and does nothing with it.
+            // GRBL stores the tool number but does not use it.
             if is && !(self.grbl && word.letter == b't') {
                 push_word(host, word)?;
                 wrote = true;
@@ -223,7 +223,7 @@ impl Rs274 {
         said.filter(|_| words.has_m(6)).unwrap_or_else(|| host.tool())
     }
 
-    /// A G code that is no motion; whether it leaves words.
+    /// Executes a G code that is not a motion. Returns whether it left words.
     fn push_g(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords, code: u16, span: Span) -> Outcome<bool> {
         let letter = |host: &mut dyn InterpreterHost, letter: u8, value: f64| push_value(host, letter, value, span);
         match code {
@@ -312,7 +312,7 @@ impl Rs274 {
         Ok(wrote)
     }
 
-    /// M codes that the interpreter executes itself.
+    /// Executes the M codes that belong to the interpreter.
     fn own_functions(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<()> {
         for (code, _) in &words.m {
             match code {
@@ -351,7 +351,7 @@ impl Rs274 {
         Ok(())
     }
 
-    /// M66: the input that the identification macro answers, otherwise the value that the machine gives #5399.
+    /// M66: reads the answer of the identification macro; without an answer #5399 keeps its value.
     fn read_input(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<()> {
         let input = match (words.get(b'p'), words.get(b'e')) {
             (Some(input), None) => format!("M66 P{input}"),
@@ -375,7 +375,7 @@ impl Rs274 {
         self.modes = Rs274Modes { selected: self.modes.selected, ..saved.own.clone() };
     }
 
-    /// A subprogram returns: modes that M73 has saved in it.
+    /// Restores the modes that M73 saved in a subprogram when the subprogram returns.
     pub(super) fn restore_on_return(&mut self, host: &mut dyn InterpreterHost) {
         let depth = self.parameters.depth();
         if let Some(at) = self.saved.iter().position(|saved| saved.depth == depth && saved.returns) {
@@ -392,7 +392,7 @@ pub(super) fn push_code(host: &mut dyn InterpreterHost, letter: u8, value: f64, 
     }
 }
 
-/// Adds a word as the program has it.
+/// Adds a word as the program writes it.
 pub(super) fn push_word(host: &mut dyn InterpreterHost, word: &BlockWord) -> Outcome<()> {
     let letter = word.letter.to_ascii_uppercase();
     let Some(register) = host.register(letter) else { return Err(super::offsets::no_axis(letter).into()) };

@@ -2,7 +2,7 @@
 //!
 //! Facts: LinuxCNC documentation, "Numbered parameters", "Predefined named parameters", "System parameters". Offsets
 //! and stored positions are in the unit of the machine, positions in that of the program. *Invariant:* a parameter that
-//! the kernel knows is never kept twice.
+//! the kernel holds is not stored here as well.
 
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -13,14 +13,14 @@ use super::{Outcome, Rs274};
 use counterpoint_control_api::host::{AxisPlace, InterpreterHost};
 use counterpoint_control_api::numeric::truth;
 
-/// First parameters of the nine work offsets, and how far they are apart.
+/// First parameter of the nine work offsets, and the distance between their numbers.
 const OFFSETS: u32 = 5221;
 const APART: u32 = 20;
 
-/// Work offsets: G54 to G59.3.
+/// Number of work offsets: G54 to G59.3.
 pub(super) const SYSTEMS: u32 = 9;
 
-/// Position of the result of a probing move in its parameters.
+/// First parameter of the result of a probing move.
 pub(super) const PROBED: u32 = 5061;
 
 /// The axis of a channel by its place among [`AXES`].
@@ -29,7 +29,7 @@ pub(super) fn axis(places: &[AxisPlace], at: usize) -> Option<&AxisPlace> {
     places.iter().find(|place| place.letter.as_bytes().first().is_some_and(|own| own.eq_ignore_ascii_case(letter)))
 }
 
-/// Values by place among [`AXES`] of values by axis of the channel, times a factor for linear axes.
+/// Converts values by axis of the channel into the order of [`AXES`], times a factor for linear axes.
 pub(super) fn by_letter(places: &[AxisPlace], values: &[f64], factor: f64) -> [f64; 9] {
     let mut out = [0.0; 9];
     for (place, value) in places.iter().zip(values) {
@@ -121,7 +121,7 @@ impl Rs274 {
         })
     }
 
-    /// Sets a parameter of the control; false if it is none.
+    /// Sets a parameter of the control. Returns false if the number belongs to no such parameter.
     pub(super) fn set_system(&mut self, host: &mut dyn InterpreterHost, number: u32, value: f64) -> Outcome<bool> {
         let at = |first: u32| (number - first) as usize;
         let slot = match number {
@@ -145,7 +145,7 @@ impl Rs274 {
         Ok(true)
     }
 
-    /// A parameter of the control with a name.
+    /// A named parameter of the control.
     pub(super) fn system_named(&self, host: &dyn InterpreterHost, name: &str) -> Option<f64> {
         let own = name.strip_prefix('_')?;
         if let Some((_, code)) = MODES.iter().find(|(known, _)| *known == name) {

@@ -1,8 +1,8 @@
-//! The text of a block as the control reads it: in small letters, without blanks and comments.
+//! The text of a block as the control reads it: in lower case, without blanks and comments.
 //!
-//! Facts: LinuxCNC documentation, "Format of a line" and "Comments": blanks mean nothing outside of comments, letter
-//! case does not count, a comment is in parentheses or goes from a semicolon to the end. *Invariant:* every byte knows
-//! its place in the block of the program.
+//! Facts: LinuxCNC documentation, "Format of a line" and "Comments": outside comments, blanks and letter case are
+//! ignored; a comment is in parentheses or goes from a semicolon to the end. *Invariant:* every byte has its place in
+//! the block of the program.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::DiagnosticFacts;
@@ -13,7 +13,7 @@ use counterpoint_control_api::words::Span;
 #[derive(Debug, Clone)]
 pub(super) struct Rs274Mistake {
     pub(super) facts: &'static DiagnosticFacts,
-    /// Number of the error of GRBL.
+    /// Error number of GRBL.
     pub(super) error: u8,
     pub(super) text: String,
 }
@@ -23,7 +23,7 @@ impl Rs274Mistake {
         Self { facts, error, text: text.into() }
     }
 
-    /// A text that is not part of the language.
+    /// The mistake of a text that is not part of the language.
     pub(super) fn syntax(text: impl Into<String>) -> Self {
         Self::new(&diag::MACRO_SYNTAX, 1, text)
     }
@@ -72,7 +72,7 @@ impl BlockText {
         Ok(Self { bytes: bytes.into(), places: places.into(), comment })
     }
 
-    /// Place in the block of the bytes from `start` to before `end`.
+    /// Place in the block of the bytes from `start` up to but not including `end`.
     pub(super) fn span(&self, start: usize, end: usize) -> Span {
         let first = self.places.get(start).copied().unwrap_or_default();
         let last = end.checked_sub(1).and_then(|last| self.places.get(last)).map_or(first, |last| last + 1);
@@ -101,12 +101,12 @@ impl<'t> Rs274Cursor<'t> {
         self.text.bytes.get(self.at).copied()
     }
 
-    /// The byte after it.
+    /// The byte after the next byte.
     pub(super) fn next(&self) -> Option<u8> {
         self.text.bytes.get(self.at + 1).copied()
     }
 
-    /// Takes a text, if it is next.
+    /// Takes a text if it is next. Returns whether it was.
     pub(super) fn takes(&mut self, word: &str) -> bool {
         let is = self.text.bytes.get(self.at..).is_some_and(|rest| rest.starts_with(word.as_bytes()));
         if is {
@@ -115,12 +115,12 @@ impl<'t> Rs274Cursor<'t> {
         is
     }
 
-    /// Takes a text that has to be next.
+    /// Takes a text that must be next.
     pub(super) fn expect(&mut self, word: &str) -> Result<(), Rs274Mistake> {
         if self.takes(word) { Ok(()) } else { Err(self.expected(&format!("'{word}'"))) }
     }
 
-    /// Takes the bytes that fulfil a condition.
+    /// Takes bytes as long as they satisfy a condition.
     pub(super) fn run(&mut self, wanted: impl Fn(u8) -> bool) -> &'t str {
         let start = self.at;
         while self.here().is_some_and(&wanted) {
@@ -129,7 +129,7 @@ impl<'t> Rs274Cursor<'t> {
         std::str::from_utf8(self.text.bytes.get(start..self.at).unwrap_or_default()).unwrap_or_default()
     }
 
-    /// Something else than expected is next.
+    /// The mistake that the next text is not the expected text.
     pub(super) fn expected(&self, wanted: &str) -> Rs274Mistake {
         let column = self.text.span(self.at, self.at + 1).0 + 1;
         match self.here() {
@@ -140,7 +140,7 @@ impl<'t> Rs274Cursor<'t> {
         }
     }
 
-    /// The digits of a number without sign, with a point at the most; none if no digit is next.
+    /// Reads a number without a sign and with at most one point; `None` if no digit is next.
     pub(super) fn number(&mut self) -> Option<f64> {
         let start = self.at;
         let mut digits = self.run(|byte| byte.is_ascii_digit()).len();

@@ -1,11 +1,11 @@
 //! Synchronous spindles: COUPDEF, COUPON, COUPONC, COUPOF, COUPOFS, COUPDEL, COUPRES, WAITC; and WAITS, SPCON and SPCOF
 //! of several spindles.
 //!
-//! Facts: programming manual, work preparation: the following spindle stands before the leading one, an angle makes the
-//! coupling one in phase, COUPOFS also stops the following spindle. Decisions: the ratio is the numerator over the
-//! denominator, as that of a generic coupling; COUPON waits until the spindles are synchronous whatever the block change
-//! of COUPDEF is, so WAITC never waits; COUPONC is COUPON; a definition counts in its channel. *Invariant:* the words of
-//! the machine name both spindles.
+//! Facts: programming manual, work preparation: the following spindle is named before the leading spindle, an angle
+//! selects coupling in phase, COUPOFS also stops the following spindle. Decisions: the ratio is the numerator divided
+//! by the denominator, as in a generic coupling; COUPON waits until the spindles are synchronous, whatever block change
+//! COUPDEF selects, so WAITC never waits; COUPONC acts like COUPON; a definition applies in its channel only.
+//! *Invariant:* the words of the machine name both spindles.
 
 use super::compiled::SiemensArgument;
 use super::left::SiemensRemainder;
@@ -18,7 +18,7 @@ const PAIRED: &str = "SC_PAIRED";
 const IN_PHASE: &str = "SC_INPHASE";
 const UNPAIRED: &str = "SC_UNPAIRED";
 
-/// Executes a statement on synchronous spindles; whether it is one.
+/// Executes a statement on synchronous spindles. Returns whether the statement is one of these.
 pub(super) fn statement(
     siemens: &mut Siemens,
     host: &mut dyn InterpreterHost,

@@ -1,4 +1,4 @@
-//! A circle to be made, for all that make circles.
+//! Description of a circular move, shared by all actions that make circles.
 
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;

@@ -1,4 +1,4 @@
-//! How a code acts beside a running cycle and along a compensated path.
+//! Execution of a code during a cycle and along a compensated path.
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::rows::CodeRow;

@@ -1,4 +1,4 @@
-//! Where a call or a jump leads.
+//! Targets of calls and jumps.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
-//! Chucks of spindles that hand parts over, and the moves of a sub-spindle that they allow.
+//! Transfer of parts between the chucks of two spindles, and the moves of the sub-spindle that the chucks allow.
 //!
-//! Facts: reference shop-machines.md 12 (part transfer, word by word). Decisions: the control has no model of the part, so
-//! the sub-spindle meets the part wherever its chuck closes away from home; a cut at feed that ends at the turning axis while both
-//! chucks hold the part cuts it off; the sub-spindle may relieve the part by up to 1 mm. *Invariant:* a refusal comes
-//! before anything moves, and before the chuck does.
+//! Facts: reference shop-machines.md 12 (part transfer, word by word). Decisions: there is no model of the part, so a
+//! sub-chuck that closes away from home closes on the part. A feed move that ends at the turning axis cuts off a part
+//! that both chucks hold. The sub-spindle may relieve such a part by up to 1 mm. *Invariant:* a refused code or move
+//! changes neither a position nor a chuck.
 
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
@@ -20,21 +20,21 @@ use super::access::Door;
 use super::actions::Action;
 use super::paired_spindles::{phase_of, speed_of};
 
-/// How far a sub-spindle may move while both chucks hold the part, geometry units.
+/// Largest move of a sub-spindle while both chucks hold the part, geometry units.
 const RELIEF: f64 = 1.0;
 
 /// Speeds that differ by less than this are equal, rev/min.
 const SAME_SPEED: f64 = 1.0;
 
-/// A radius at which a cut has reached the turning axis.
+/// Radius at or below which a cut has reached the turning axis.
 const AXIS: f64 = 1e-6;
 
 /// The effect of a code on chucks.
 #[derive(Debug, Clone, Copy)]
 enum ChuckCode {
-    /// Opens the chuck of the sub-spindle, or that of the main spindle.
+    /// Opens the chuck of the sub-spindle or of the main spindle.
     Open { sub: bool },
-    /// Closes it.
+    /// Closes that chuck.
     Close { sub: bool },
     /// The part is cut off.
     CutOff,
@@ -141,7 +141,7 @@ fn refuse(kernel: &mut Kernel<'_>, facts: &DiagnosticFacts, reason: &str) -> Hal
     kernel.alarm(facts, text)
 }
 
-/// The axis that moves the sub-spindle in this channel, its place before and after a move, and its home.
+/// The axis that moves the sub-spindle in this channel, its position before and after a move, and its home position.
 fn slide(kernel: &Kernel<'_>, motion: &Motion) -> Option<(AxisSlot, [f64; 2], f64)> {
     let machine = kernel.channel.env.machine;
     let (_, follower) = machine.chucks()?;
@@ -177,8 +177,8 @@ pub(super) fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     Ok(())
 }
 
-/// A cut that ends at the turning axis cuts off a part that both chucks hold. The chucks learn whether the sub-spindle
-/// is at home.
+/// Records whether the sub-spindle is away from home. A cut that ends at the turning axis cuts off a part that both
+/// chucks hold.
 pub(super) fn after_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     if let Some((_, [_, to], home)) = slide(kernel, motion) {
         let away = (to - home).abs() > RELIEF;

@@ -20,7 +20,7 @@ pub(crate) struct LeftWords {
     pub(super) asked: bool,
     /// The text of the words, if it may be asked for.
     pub(crate) text: String,
-    /// The interpreter continues its block when its words have acted.
+    /// The interpreter continues its block after these words have acted.
     pub(crate) continues: bool,
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,

@@ -1,8 +1,8 @@
 //! Spindles that turn together: the codes that begin and end it, and commands of the leading spindle.
 //!
 //! Facts: reference shop-machines.md 2, 3, 7, 12 (builders' codes, COUPON). Decisions: a code lasts until the follower
-//! has the speed of the leader, and its phase after a time of the machine; from then on both change their speed together,
-//! in the time of the slower one. *Invariant:* a command for a spindle that follows changes nothing and is reported.
+//! has reached the leader's speed, and then for the machine's phase time. After that both spindles change speed
+//! together, in the time of the slower spindle. *Invariant:* a command for a follower changes nothing and is reported.
 
 use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent};
 use counterpoint_fault::{self as diag, Acted, Halt};
@@ -27,7 +27,7 @@ enum CouplingStep {
     Speed,
     /// One follows the other in phase.
     Phase,
-    /// The phase ends, the speed remains the same.
+    /// The phase ends; the speeds stay the same.
     PhaseOff,
     /// The coupling ends.
     Off,
@@ -112,7 +112,7 @@ fn illegal(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
     kernel.alarm(&diag::SPINDLE_COUPLING, text)
 }
 
-/// Lets one spindle follow the other. Without a phase, it keeps the phase that it has.
+/// Makes the follower follow the leader. Without a new phase, the follower keeps its current phase.
 fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Acted {
     let machine = kernel.channel.env.machine;
     let SpindlePair { leader, follower, ratio } = pair;
@@ -174,7 +174,7 @@ fn end_phase(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Acted {
     Ok(())
 }
 
-/// Ends a coupling: the follower keeps its speed. Nothing happens to spindles that are not coupled.
+/// Ends a coupling; the follower keeps its speed. Has no effect on spindles that are not coupled.
 fn uncouple(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Acted {
     let (_, rpm) = speeds(kernel, pair)?;
     let (at, most) = ((kernel.channel.now(), kernel.channel.at.channel), largest_speeds(kernel));
@@ -227,12 +227,12 @@ fn report_conflict(kernel: &mut Kernel<'_>, other: u16) {
     kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
 }
 
-/// What both spindles turn at now, rev/min.
+/// Current speeds of the leader and of the follower, rev/min.
 fn speeds(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Result<(f64, f64), Halt> {
     Ok((speed_of(kernel, pair.leader)?, speed_of(kernel, pair.follower)?))
 }
 
-/// What a spindle turns at now, rev/min.
+/// Current speed of a spindle, rev/min.
 pub(super) fn speed_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<f64, Halt> {
     with(kernel, id, |kernel| kernel.turning_speed())
 }
@@ -242,7 +242,7 @@ pub(super) fn phase_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<Option<
     kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
 }
 
-/// Reads a spindle as if it were the active one.
+/// Runs `read` as if the given spindle were the active spindle.
 fn with<R>(
     kernel: &mut Kernel<'_>,
     id: SpindleId,
@@ -290,7 +290,7 @@ pub(super) fn log_followers(kernel: &mut Kernel<'_>, followers: &[(SpindleId, Sp
     }
 }
 
-/// Reports a command for a spindle that follows another one, unless the spindle is in that state.
+/// Reports a command for a following spindle, unless the spindle is already in the commanded state.
 pub(super) fn not_commanded(
     kernel: &mut Kernel<'_>,
     id: SpindleId,

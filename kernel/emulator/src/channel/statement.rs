@@ -160,7 +160,7 @@ impl Kernel<'_> {
     }
 }
 
-/// Executes the words that an interpreter has left of a block, part by part if it continues the block after them.
+/// Executes the words that an interpreter left of a block, part by part while the interpreter continues the block.
 fn parts(kernel: &mut Kernel<'_>, first: Remaining, text: &[u8]) -> Acted {
     let mut remaining = first;
     loop {

@@ -82,7 +82,7 @@ impl SpindleState {
         }
     }
 
-    /// Whether another channel can see a command of it.
+    /// Whether another channel can see a command for the spindle.
     pub(crate) fn is_seen(&self, machine: &Machine) -> bool {
         self.shared && machine.channels.len() > 1
     }
@@ -167,7 +167,7 @@ fn has_codes(machine: &Machine, number: u16) -> bool {
     })
 }
 
-/// More than one channel can command the spindle, or spindles of the machine can turn together.
+/// Whether more than one channel can command the spindle, or spindles of the machine can turn together.
 pub(crate) fn is_shared(machine: &Machine, id: SpindleId) -> bool {
     let uses = |channel: &&MachineChannel| [channel.spindle, channel.rear, channel.milling].contains(&Some(id));
     let users = machine.channels.iter().filter(uses).count();

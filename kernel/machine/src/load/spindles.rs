@@ -1,7 +1,7 @@
 //! `[[spindles]]`.
 //!
-//! Invariant: numbers and names are unique, and the smallest speed is below the largest. A spindle that others follow
-//! follows none.
+//! Invariant: numbers and names are unique, and the smallest speed is below the largest. A spindle that has
+//! followers does not follow a spindle.
 
 use crate::index::{AxisId, IdTable, SpindleId};
 use crate::model::{Axis, ChuckAtStart, Spindle};

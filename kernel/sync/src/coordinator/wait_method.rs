@@ -1,4 +1,4 @@
-//! How a kernel waits.
+//! Methods by which a kernel waits.
 
 use corosensei::Yielder;
 
