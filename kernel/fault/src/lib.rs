@@ -228,10 +228,10 @@ diagnostics! {
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     AXIS_WORD_OWNED 2900520 "axis-word-not-taken" 8 false "axis word that the code of the block does not take";
     FREE_CONTOUR 2900652 "free-contour-not-determined" 8 true "element of a free contour not determined";
-    SPINDLE_FOLLOWS 2900654 "spindle-follows" 4 false "command for a spindle that follows another one";
-    SPINDLE_COUPLING 2900655 "spindle-coupling-illegal" 12 true "spindles coupled wrongly";
+    SPINDLE_FOLLOWS 2900654 "spindle-follows" 4 false "command for a following spindle";
+    SPINDLE_COUPLING 2900655 "spindle-coupling-illegal" 12 true "spindles cannot be coupled";
     CHUCK_SPEED 2900656 "chuck-at-other-speed" 12 true "chuck closes on a part at another speed";
-    CHUCK_PHASE 2900657 "chuck-without-phase" 12 true "chuck closes on a turning part without phase";
+    CHUCK_PHASE 2900657 "chuck-without-phase" 12 true "chuck closes on a turning part out of phase";
     PART_NOT_HELD 2900658 "part-not-held" 12 true "no chuck holds the part";
     CHUCK_NOT_OPEN 2900659 "chuck-not-open" 12 true "sub-spindle fed against the part with its chuck closed";
     SLIDE_HELD 2900673 "slide-with-held-part" 12 true "sub-spindle moved while both chucks hold the part";

@@ -69,7 +69,7 @@ impl BlockWords {
             }
             letter if self.has(letter) => {
                 let name = char::from(letter.to_ascii_uppercase());
-                return Err(refused(25, format!("{name} is written twice: remove one of both words")));
+                return Err(refused(25, format!("{name} is written twice: remove one of them")));
             }
             _ => self.words.push(word),
         }
@@ -151,7 +151,7 @@ impl BlockWords {
                 other.group == facts.group && !(facts.group == 0 && (beside(other.code) || beside(facts.code)))
             };
             if let Some(other) = codes.iter().find(same) {
-                let text = format!("{} and {} are of one modal group", spelled(other.code), spelled(*code));
+                let text = format!("{} and {} belong to the same modal group", spelled(other.code), spelled(*code));
                 return Err(refused(21, format!("{text}: write them in two blocks")));
             }
             codes.push(facts);
@@ -193,7 +193,7 @@ impl BlockWords {
     fn check_motion(&self, motion: u16, modes: BlockModes, explicit: bool) -> Result<(), Rs274Mistake> {
         let name = spelled(motion);
         if self.has_g(530) && !matches!(motion, 0 | 10) {
-            return Err(refused(30, format!("G53 goes with G0 or G1 only, and {name} is active")));
+            return Err(refused(30, format!("G53 needs G0 or G1, but {name} is active")));
         }
         if matches!(motion, 20 | 30) && (self.has_axes() || self.has_offsets() || self.has(b'r')) {
             if modes.grbl && !self.has_axes() {
@@ -203,7 +203,7 @@ impl BlockWords {
                 return Err(refused(35, format!("{name} has neither a centre (I, J, K) nor a radius (R)")));
             }
             if self.has(b'r') && self.has_offsets() {
-                return Err(refused(36, format!("{name} has a centre and a radius: remove one of both")));
+                return Err(refused(36, format!("{name} has a centre and a radius: remove one of them")));
             }
         }
         let cuts = matches!(motion, 10 | 20 | 30) && (self.has_axes() || self.has_offsets() || explicit);
@@ -235,7 +235,7 @@ impl BlockWords {
             let always = matches!(letter, b'f' | b's' | b't') || AXES.contains(&letter);
             if !always && !of_codes(letter) && !of_m(letter) {
                 let name = char::from(letter.to_ascii_uppercase());
-                return Err(refused(36, format!("{name} is used by no code of the block: remove it")));
+                return Err(refused(36, format!("{name} is not used by a code of the block: remove it")));
             }
         }
         Ok(())

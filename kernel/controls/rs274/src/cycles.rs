@@ -98,7 +98,7 @@ impl Rs274 {
         }
         let count = words.get(b'l').unwrap_or(1.0);
         if count.fract() != 0.0 || !(1.0..=9999.0).contains(&count) {
-            return Err(refused(20, format!("L of {name} is a whole number from 1 on")).into());
+            return Err(refused(20, format!("L of {name} must be a whole number of at least 1")).into());
         }
         if initial < clear && here != clear {
             push_code(host, b'G', 0.0, span);

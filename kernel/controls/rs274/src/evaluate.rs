@@ -79,7 +79,7 @@ impl Rs274 {
         {
             return Ok(value);
         }
-        let text = format!("#<{name}> has no value: set it before, or ask EXISTS[#<{name}>]");
+        let text = format!("#<{name}> has no value: set it before, or test it with EXISTS[#<{name}>]");
         Err(Rs274Mistake::new(&diag::MACRO_VARIABLE, 1, text).into())
     }
 

@@ -160,7 +160,7 @@ impl Rs274 {
 
     fn return_value(&mut self, host: &mut dyn InterpreterHost, code: &OCode) -> Outcome<()> {
         if self.parameters.depth() == 0 {
-            return loop_fault("no subprogram runs that could return");
+            return loop_fault("return outside a subprogram");
         }
         let value = match code.values.first() {
             Some(value) => Some(self.value(host, value)?),

@@ -240,7 +240,7 @@ impl Rs274 {
             self.parameters.set_number(number, work(&places, at))?;
         }
         if self.touches {
-            host.log_message("the probe is taken as touching at the end of its move");
+            host.log_message("the probe is assumed to touch at the end of its move");
         }
         self.parameters.set_number(5070, f64::from(u8::from(self.touches)))?;
         if !self.touches && matches!(self.modes.motion, 382 | 384) {

@@ -310,7 +310,7 @@ impl Rs274 {
         let given = self.axis_words(host, &places, block)?;
         let mut values = self.tool_offset_in_force(host, &places);
         match block.get(b'h') {
-            Some(_) if block.has_axes() => return Err(refused("G43.2 has H and axis words: remove one of both").into()),
+            Some(_) if block.has_axes() => return Err(refused("G43.2 has H and axis words: remove one of them").into()),
             Some(number) => {
                 let more = by_letter(&places, &host.tool_offset(number.max(0.0) as u32), factor);
                 values = sum(values, more);

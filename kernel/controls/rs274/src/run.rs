@@ -342,7 +342,7 @@ impl Rs274 {
                     }
                 }
                 100..=199 if !host.knows_code(b'M', f64::from(*code)) => {
-                    let text = format!("M{code} is a program of the user: add a row for the word to the machine");
+                    let text = format!("M{code} is a user-defined program: add a row for the word to the machine");
                     return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text).into());
                 }
                 _ => {}

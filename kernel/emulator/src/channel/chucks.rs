@@ -110,7 +110,7 @@ fn close(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
         }
         let needs_phase = kernel.channel.env.machine.spindles[follower].takes_in_phase && main > 0.0;
         if needs_phase && phase_of(kernel, follower)?.is_none() {
-            let reason = "the spindles turn without phase, and the part has edges: couple them in phase first";
+            let reason = "the spindles are not in phase, and the part has edges: couple them in phase first";
             return Err(refuse(kernel, &diag::CHUCK_PHASE, reason));
         }
     }
@@ -159,7 +159,7 @@ pub(super) fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     let axis = kernel.channel.axis_name(slot);
     let approaches = motion.kind != MotionKind::Rapid && (to - home).abs() > (from - home).abs();
     if approaches && !chucks.sub.open && chucks.sub.piece.is_none() && chucks.main.piece.is_some() {
-        let reason = format!("{axis} feeds the sub-spindle against the part, and its chuck is closed: open it first");
+        let reason = format!("{axis} feeds the sub-spindle against the part, but its chuck is closed: open it first");
         return Err(refuse(kernel, &diag::CHUCK_NOT_OPEN, &reason));
     }
     if (to - from).abs() <= RELIEF || !chucks.joined || chucks.sub.open {
