@@ -230,7 +230,7 @@ diagnostics! {
     FREE_CONTOUR 2900652 "free-contour-not-determined" 8 true "element of a free contour not determined";
     SPINDLE_FOLLOWS 2900654 "spindle-follows" 4 false "command for a following spindle";
     SPINDLE_COUPLING 2900655 "spindle-coupling-illegal" 12 true "spindles cannot be coupled";
-    CHUCK_SPEED 2900656 "chuck-at-other-speed" 12 true "chuck closes on a part at another speed";
+    CHUCK_SPEED 2900656 "chuck-at-other-speed" 12 true "chucks hold a part at different speeds";
     CHUCK_PHASE 2900657 "chuck-without-phase" 12 true "chuck closes on a turning part out of phase";
     PART_NOT_HELD 2900658 "part-not-held" 12 true "no chuck holds the part";
     CHUCK_NOT_OPEN 2900659 "chuck-not-open" 12 true "sub-spindle fed against the part with its chuck closed";

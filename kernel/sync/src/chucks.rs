@@ -58,6 +58,18 @@ impl ChuckPair {
         sub && self.away && self.sub.open && self.sub.piece.is_none() && self.main.piece.is_some() && !self.joined
     }
 
+    /// Whether both chucks would hold the same piece after this one closes.
+    #[must_use]
+    pub fn would_hold_twice(&self, sub: bool) -> bool {
+        self.would_join(sub) || self.joined && self.chuck(sub).open && !self.chuck(!sub).open
+    }
+
+    /// Whether both chucks are closed on the same piece.
+    #[must_use]
+    pub fn hold_twice(&self) -> bool {
+        self.joined && !self.main.open && !self.sub.open
+    }
+
     /// Closes a chuck; a closed chuck does not change. An empty main chuck closes on a newly loaded part.
     pub fn close(&mut self, sub: bool) -> ChuckEffect {
         let joins = self.would_join(sub);

@@ -140,7 +140,13 @@ impl BlockWords {
     /// The G codes of the block. Refuses unknown codes and two codes of one group.
     fn codes(&self, grbl: bool) -> Result<Vec<&'static GCode>, Rs274Mistake> {
         let mut codes: Vec<&'static GCode> = Vec::with_capacity(self.g.len());
+        let moves = |code: u16| code != NO_MOTION && g_code(code, grbl).is_some_and(|facts| facts.group == 1);
+        let has_motion = self.g.iter().any(|(code, _)| moves(*code));
         for (code, _) in &self.g {
+            // LinuxCNC ignores G80 beside a motion.
+            if *code == NO_MOTION && has_motion && !grbl {
+                continue;
+            }
             let Some(facts) = g_code(*code, grbl) else {
                 let text = format!("{} is not a code of this control", spelled(*code));
                 return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
@@ -210,6 +216,13 @@ impl BlockWords {
         let inverse = (modes.inverse_time || self.has_g(930)) && !self.has_g(940) && !self.has_g(950);
         if cuts && inverse && !self.has(b'f') && (self.has_axes() || self.has_offsets()) {
             return Err(refused(22, format!("{name} under G93 needs F in its block")));
+        }
+        let rotary = |word: &&BlockWord| matches!(word.letter, b'a' | b'b' | b'c');
+        if is_cycle(motion)
+            && let Some(word) = self.words.iter().find(rotary)
+        {
+            let letter = char::from(word.letter.to_ascii_uppercase());
+            return Err(refused(20, format!("{name} takes no rotary axis {letter}: turn it in a block of its own")));
         }
         if inverse && is_cycle(motion) {
             return Err(refused(22, format!("{name} is not possible under G93: write G94 before it")));
@@ -312,6 +325,9 @@ mod tests {
         assert_eq!(checked("g92 x1", true, 10), Ok(None));
         assert_eq!(checked("g53 x1", true, 10), Ok(Some(10)));
         assert_eq!(checked("g80 g28", true, 10), Ok(Some(NO_MOTION)));
+        assert_eq!(checked("g80 g0 z1", false, 10), Ok(Some(0)));
+        assert_eq!(checked("g0 g80", true, 10), Err(21));
+        assert_eq!(checked("g81 x1 z1 r2 a1", false, 10), Err(20));
         assert_eq!(checked("i1", false, 20), Ok(Some(20)));
         assert_eq!(checked("f100 s5 t1", false, 10), Ok(None));
     }

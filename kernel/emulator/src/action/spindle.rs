@@ -65,19 +65,29 @@ fn with_speed_owner(
     if !act.channel().env.machine.habits.speed_follows_codes {
         return action(act);
     }
-    let machine = act.channel().env.machine;
-    let mut numbers =
-        act.channel().block.pending.iter().filter_map(|pending| match machine.codes[pending.row].id.kind() {
-            CodeKind::Spindle { number, .. } => Some(number),
-            _ => None,
-        });
-    let number = numbers.next().unwrap_or(act.channel().state.others.spindles.started);
+    let number = number_in_block(act).unwrap_or(act.channel().state.others.spindles.started);
     commanded(act, number, action)
+}
+
+/// The spindle of the first spindle code in the block.
+fn number_in_block(act: &ActionContext<'_, '_>) -> Option<u16> {
+    let machine = act.channel().env.machine;
+    let mut codes = act.channel().block.pending.iter().map(|pending| machine.codes[pending.row].id.kind());
+    codes.find_map(|kind| match kind {
+        CodeKind::Spindle { number, .. } => Some(number),
+        _ => None,
+    })
+}
+
+/// The speed of the block, unless it belongs to the spindle code of the block, which takes it.
+fn take_free_speed(act: &mut ActionContext<'_, '_>, css: bool) -> Option<f64> {
+    let of_code = act.channel().env.machine.habits.speed_follows_codes && number_in_block(act).is_some();
+    if of_code { None } else { take_speed(act, css) }
 }
 
 /// Constant surface speed on.
 pub(super) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
-    let speed = take_speed(act, true);
+    let speed = take_free_speed(act, true);
     let driver = act.channel().state.others.spindles.driver.unwrap_or(act.channel().at.channel);
     act.command_spindle(|c| {
         c.css = true;
@@ -88,7 +98,7 @@ pub(super) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
 
 /// Revolutions per minute on.
 pub(super) fn rpm(act: &mut ActionContext<'_, '_>) -> Acted {
-    let speed = take_speed(act, false);
+    let speed = take_free_speed(act, false);
     let held = held_speed(act)?;
     act.command_spindle(|c| {
         if c.css && speed.is_none() {

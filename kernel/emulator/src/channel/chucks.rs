@@ -9,7 +9,7 @@ use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
 use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::ident::{CodeId, codes};
-use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::index::{AxisSlot, BySlot, SpindleId};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 use counterpoint_sync::chucks::{ChuckEffect, ChuckPair};
@@ -98,16 +98,15 @@ fn open(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
 }
 
 fn close(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
-    if let Some((leader, follower)) = kernel.channel.env.machine.chucks().filter(|_| chucks.would_join(sub)) {
-        let (main, other) = (speed_of(kernel, leader)?, speed_of(kernel, follower)?);
-        if (main - other).abs() > SAME_SPEED {
-            let [main, other] = [main, other].map(wildcard_text);
+    if let Some((leader, follower)) = kernel.channel.env.machine.chucks().filter(|_| chucks.would_hold_twice(sub)) {
+        if let Some((main, other)) = other_speeds(kernel, (leader, follower))? {
             let reason = format!(
-                "the main spindle turns at {main} rev/min and the sub-spindle at {other}: let them turn together before \
+                "the main spindle turns at {main} rev/min and the sub-spindle at {other}: couple the spindles before \
                  the chuck closes"
             );
             return Err(refuse(kernel, &diag::CHUCK_SPEED, &reason));
         }
+        let main = speed_of(kernel, leader)?;
         let needs_phase = kernel.channel.env.machine.spindles[follower].takes_in_phase && main > 0.0;
         if needs_phase && phase_of(kernel, follower)?.is_none() {
             let reason = "the spindles are not in phase, and the part has edges: couple them in phase first";
@@ -123,6 +122,28 @@ fn close(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
         emit(kernel, "part in both chucks".to_owned());
     }
     Ok(())
+}
+
+/// The speeds of both spindles as texts, if they differ.
+fn other_speeds(kernel: &mut Kernel<'_>, pair: (SpindleId, SpindleId)) -> Result<Option<(String, String)>, Halt> {
+    let (main, other) = (speed_of(kernel, pair.0)?, speed_of(kernel, pair.1)?);
+    let differ = (main - other).abs() > SAME_SPEED;
+    Ok(differ.then(|| (wildcard_text(main), wildcard_text(other))))
+}
+
+/// Refuses a command after which the spindles turn at different speeds while both chucks hold the same piece.
+pub(super) fn after_command(kernel: &mut Kernel<'_>) -> Acted {
+    let Some(pair) = kernel.channel.env.machine.chucks() else { return Ok(()) };
+    if !known(kernel)?.is_some_and(|chucks| chucks.hold_twice()) {
+        return Ok(());
+    }
+    let Some((main, other)) = other_speeds(kernel, pair)? else { return Ok(()) };
+    let text = format!(
+        "both chucks hold the part, but the main spindle turns at {main} rev/min and the sub-spindle at {other} after \
+         '{}': couple the spindles, or open a chuck first",
+        kernel.channel.block_text()
+    );
+    Err(kernel.alarm(&diag::CHUCK_SPEED, text))
 }
 
 fn cut_off(kernel: &mut Kernel<'_>) -> Acted {

@@ -8,7 +8,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use super::access::Door;
-use super::paired_spindles;
+use super::{chucks, paired_spindles};
 use crate::state::channel::ChannelContext;
 use crate::state::spindle::SpindleRotation;
 use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
@@ -65,6 +65,7 @@ impl Kernel<'_> {
         if self.channel.state.spindle.command != old {
             self.channel.reports.plausible.look_above = 0.0;
             self.announce(id, before)?;
+            chucks::after_command(self)?;
         }
         self.follow_radius()
     }

@@ -15,6 +15,8 @@ pub(super) fn arcs(top: &mut TableReader<'_>, unit: MachineUnit) -> ArcRules {
     let mut arcs = ArcRules {
         center: DistanceMode::Incremental,
         tolerance: if unit == MachineUnit::Inch { 0.01 / 25.4 } else { 0.01 },
+        tolerance_share: 0.0,
+        largest_tolerance: f64::INFINITY,
         max_radius: f64::INFINITY,
         helix: Helix::Any,
         turns: MultiTurnCircles::Always,
@@ -26,6 +28,8 @@ pub(super) fn arcs(top: &mut TableReader<'_>, unit: MachineUnit) -> ArcRules {
         [("offset", DistanceMode::Incremental), ("absolute", DistanceMode::Absolute), ("mode", DistanceMode::Mode)];
     arcs.center = section.choice("center", &centers).unwrap_or(arcs.center);
     arcs.tolerance = section.at_least_zero("tolerance").unwrap_or(arcs.tolerance);
+    arcs.tolerance_share = section.at_least_zero("tolerance_share").unwrap_or(arcs.tolerance_share);
+    arcs.largest_tolerance = section.at_least_zero("largest_tolerance").unwrap_or(arcs.largest_tolerance);
     arcs.max_radius = section.above_zero("max_radius").unwrap_or(arcs.max_radius);
     let helices = [("any", Helix::Any), ("codes", Helix::Codes), ("off", Helix::Off)];
     arcs.helix = section.choice("helix", &helices).unwrap_or(arcs.helix);

@@ -14,6 +14,10 @@ pub struct ArcRules {
     pub center: DistanceMode,
     /// How far an end may be off its circle.
     pub tolerance: f64,
+    /// Share of the radius that an end may be off instead, if that is more than `tolerance`.
+    pub tolerance_share: f64,
+    /// Upper limit of that distance; infinite without a limit.
+    pub largest_tolerance: f64,
     /// Largest radius; infinite without a limit.
     pub max_radius: f64,
     /// Which codes may move a further axis along.
@@ -24,6 +28,14 @@ pub struct ArcRules {
     pub stands: bool,
     /// A circle with neither centre nor radius is a straight line; otherwise it is reported.
     pub straight: bool,
+}
+
+impl ArcRules {
+    /// How far the end of a circle of a radius may be off it.
+    #[must_use]
+    pub fn end_tolerance(&self, radius: f64) -> f64 {
+        self.tolerance.max((self.tolerance_share * radius).min(self.largest_tolerance))
+    }
 }
 
 /// Codes that may make helices.

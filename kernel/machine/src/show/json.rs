@@ -375,6 +375,8 @@ fn arcs(machine: &Machine) -> Value {
             other => word(other),
         },
         "tolerance": arcs.tolerance,
+        "tolerance_share": arcs.tolerance_share,
+        "largest_tolerance": arcs.largest_tolerance.is_finite().then_some(arcs.largest_tolerance),
         "max_radius": arcs.max_radius.is_finite().then_some(arcs.max_radius),
         "helix": word(arcs.helix),
         "turns": word(arcs.turns),

@@ -243,7 +243,8 @@ fn cut(
     let by_angle = words.angle.is_some() && words.center.is_some();
     let flat_coded = coded & (flat.axes[0].bit() | flat.axes[1].bit()) != 0;
     if words.radius.is_none() && (!by_angle || flat_coded) {
-        check_end(act, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
+        let off = made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 });
+        check_end(act, off, made.radius);
     }
     let turns = if by_angle {
         // Digits of an angle after the ninth were not programmed.
@@ -275,8 +276,8 @@ fn rises(act: &ActionContext<'_, '_>, flat: &Flat, from: &Position, to: &Positio
     axes.filter(|(slot, axis)| !flat.axes.contains(slot) && !axis.rotary).any(|(slot, _)| from.at(slot) != to.at(slot))
 }
 
-fn check_end(act: &mut ActionContext<'_, '_>, off: f64) {
-    if off > act.channel().env.machine.arcs.tolerance {
+fn check_end(act: &mut ActionContext<'_, '_>, off: f64, radius: f64) {
+    if off > act.channel().env.machine.arcs.end_tolerance(radius) {
         let text = format!("the end is {off:.4} off the circle in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
     }
