@@ -151,6 +151,9 @@ impl Kernel<'_> {
             let text = format!("subprogram {name} not found, called in '{}'", self.channel.block_text());
             return self.program_missing(text);
         };
+        if !self.channel.env.info.is_resident(file) {
+            self.check_levels(false, &called.what)?;
+        }
         if self.cycle_at_once((file, range), &called, &name)? {
             return Ok(());
         }

@@ -177,7 +177,7 @@ impl Kernel<'_> {
     }
 
     /// Checks the limits of the control: levels of macros, of subprograms, and of both together.
-    fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
+    pub(crate) fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
         let levels = self.channel.env.machine.subprograms.levels;
         let all = self.flow.frames.len();
         let macros = self.flow.call_level();
