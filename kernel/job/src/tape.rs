@@ -43,11 +43,11 @@ mod tests {
     use super::*;
     use counterpoint_machine::load;
     use counterpoint_machine::package::Overlay;
-    use counterpoint_ports::files::MemoryFiles as Files;
+    use counterpoint_ports::files::MemoryFiles;
 
     #[test]
     fn each_rule_acts_on_the_text_of_the_one_before() {
-        let mut files = Files::default();
+        let mut files = MemoryFiles::default();
         files.insert(
             "own/machine.toml",
             "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[[tape_editor]]\nfind = \"A1\"\nreplace = \"B2\"\n\

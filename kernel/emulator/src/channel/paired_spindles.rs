@@ -18,6 +18,7 @@ use counterpoint_sync::spindle_coupling::CouplingRefusal;
 use super::Kernel;
 use super::access::Door;
 use super::actions::Action;
+use super::report::report_spindle_conflict;
 use crate::state::at::nanoseconds;
 
 /// The effect of a code on two spindles.
@@ -136,7 +137,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
         Err(refusal) => return Err(refuse(kernel, pair, refusal)),
     };
     if conflict != 0 {
-        report_conflict(kernel, conflict);
+        report_spindle_conflict(kernel, conflict);
     }
     let after = speeds(kernel, pair)?;
     let (leads, follows) = (after.0 - before.0, after.1 - before.1);
@@ -215,16 +216,6 @@ fn refuse(kernel: &mut Kernel<'_>, pair: SpindlePair, refusal: CouplingRefusal) 
         CouplingRefusal::FollowerLeads(other) => format!("spindle {} follows spindle {follower}", of(other)),
     };
     illegal(kernel, &format!("spindle {follower} cannot follow spindle {leader}: {reason}; end that coupling first"))
-}
-
-fn report_conflict(kernel: &mut Kernel<'_>, other: u16) {
-    let text = format!(
-        "channels {other} and {} both command the spindle without a sync point between them, here in '{}': the later \
-         command takes effect",
-        kernel.channel.at.channel,
-        kernel.channel.block_text()
-    );
-    kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
 }
 
 /// Current speeds of the leader and of the follower, rev/min.

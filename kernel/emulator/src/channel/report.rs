@@ -138,3 +138,14 @@ impl Kernel<'_> {
         self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 }
+
+/// Reports another channel that has commanded the spindle without a sync point in between.
+pub(super) fn report_spindle_conflict(kernel: &mut Kernel<'_>, other: u16) {
+    let text = format!(
+        "channels {other} and {} both command the spindle without a sync point between them, here in '{}': the later \
+         command takes effect",
+        kernel.channel.at.channel,
+        kernel.channel.block_text()
+    );
+    kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
+}

@@ -8,6 +8,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use super::access::Door;
+use super::report::report_spindle_conflict;
 use super::{chucks, paired_spindles};
 use crate::state::channel::ChannelContext;
 use crate::state::spindle::SpindleRotation;
@@ -56,11 +57,7 @@ impl Kernel<'_> {
             change(&mut self.channel.state.spindle.command);
         }
         if conflict != 0 {
-            let text = format!(
-                "channels {conflict} and {channel} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
-                self.channel.block_text()
-            );
-            self.diagnose(&diag::SPINDLE_CONFLICT, text);
+            report_spindle_conflict(self, conflict);
         }
         if self.channel.state.spindle.command != old {
             self.channel.reports.plausible.look_above = 0.0;

@@ -7,7 +7,7 @@
 use counterpoint_event::SourcePlace;
 use counterpoint_fault::{self as diag, Acted, Halt};
 use counterpoint_lang::value::MacroValue;
-use counterpoint_ports::dialog::answers::DialogValue as Shown;
+use counterpoint_ports::dialog::answers::DialogValue;
 use counterpoint_ports::step::{Go, KernelSnapshot, StepEvent, Stepper};
 use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::wait;
@@ -147,23 +147,23 @@ impl Kernel<'_> {
 
 /// Variables that all channels share and that have a value: numbered ones, named ones, GLOBALs of macros by their
 /// names.
-pub fn common(shared: &SharedState, globals: &[String]) -> Vec<(String, Shown)> {
+pub fn common(shared: &SharedState, globals: &[String]) -> Vec<(String, DialogValue)> {
     let mut numbers: Vec<_> = shared.variables.iter().map(|(number, value)| (*number, *value)).collect();
     numbers.sort_unstable_by_key(|(number, _)| *number);
     let mut named: Vec<_> = shared.named.iter().filter_map(|(name, value)| Some((&**name, shown(value)?))).collect();
     named.sort_unstable_by_key(|(name, _)| *name);
-    let numbers = numbers.into_iter().map(|(number, value)| (format!("#{number}"), Shown::Number(value)));
+    let numbers = numbers.into_iter().map(|(number, value)| (format!("#{number}"), DialogValue::Number(value)));
     let named = named.into_iter().map(|(name, value)| (name.to_owned(), value));
     let globals = globals.iter().zip(&shared.globals).filter_map(|(name, value)| Some((name.clone(), shown(value)?)));
     numbers.chain(named).chain(globals).take(MOST).collect()
 }
 
 /// A value short enough to be read at a glance.
-fn shown(value: &MacroValue) -> Option<Shown> {
+fn shown(value: &MacroValue) -> Option<DialogValue> {
     match value {
-        MacroValue::Real(number) => Some(Shown::Number(*number)),
-        MacroValue::Logical(flag) => Some(Shown::Flag(*flag)),
-        MacroValue::Text(text) => Some(Shown::Text(text.to_string())),
+        MacroValue::Real(number) => Some(DialogValue::Number(*number)),
+        MacroValue::Logical(flag) => Some(DialogValue::Flag(*flag)),
+        MacroValue::Text(text) => Some(DialogValue::Text(text.to_string())),
         _ => None,
     }
 }

@@ -20,7 +20,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
-use counterpoint_program::scan::ScanResult as Split;
+use counterpoint_program::scan::ScanResult;
 use counterpoint_program::spot::BlockStart;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -149,8 +149,8 @@ impl Linter<'_, '_> {
             )]);
         }
         match self.kernel.split(text, true) {
-            Split::Words => Outline::Words,
-            Split::Statement => {
+            ScanResult::Words => Outline::Words,
+            ScanResult::Statement => {
                 self.kernel.channel.block.clear();
                 match self.reader.as_deref_mut() {
                     Some(reader) => Outline::Steps(reader.outline(self.kernel, text)),

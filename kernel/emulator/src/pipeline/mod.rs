@@ -28,7 +28,7 @@ use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::{BlockOrigin, BlockTreatment};
-use counterpoint_program::scan::ScanResult as Split;
+use counterpoint_program::scan::ScanResult;
 
 impl Kernel<'_> {
     /// Processes a block from its text to its remaining words: edit, pre-process, split, codes, leftovers.
@@ -45,7 +45,7 @@ impl Kernel<'_> {
         let (own, preprocess) = (self.channel.context.text.clone(), edited == BlockTreatment::Preprocess);
         let text = own.as_deref().map_or(text, String::as_bytes);
         match self.split(text, preprocess) {
-            Split::Words => {
+            ScanResult::Words => {
                 if self.channel.env.trace.is_some() && !self.has_embedded(1) {
                     self.trace_deleted(text);
                 }
@@ -58,7 +58,7 @@ impl Kernel<'_> {
                 }
                 Ok(())
             }
-            Split::Statement => self.statement_block(text),
+            ScanResult::Statement => self.statement_block(text),
         }
     }
 

@@ -4,15 +4,15 @@
 
 use crate::channel::Kernel;
 use counterpoint_control_api::ProgramHost as _;
-use counterpoint_program::scan::ScanResult as Split;
+use counterpoint_program::scan::ScanResult;
 
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.
     #[inline(always)]
-    pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> Split {
+    pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> ScanResult {
         // Without macros a known one does not come here.
         if preprocess && self.flow.repeats && self.plan.hooks.is_some() && self.is_known_statement() {
-            return Split::Statement;
+            return ScanResult::Statement;
         }
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);

@@ -16,7 +16,7 @@ use std::time::Duration;
 use breakpoints::Breakpoints;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
-use counterpoint_ports::control::{ChannelActivity as Doing, JobControl};
+use counterpoint_ports::control::{ChannelActivity, JobControl};
 use counterpoint_ports::step::{
     Common, Console, Go, Heard, KernelSnapshot, StepCalls, StepCommand, StepEvent, StepReply, Stepper, Whom,
 };
@@ -116,9 +116,11 @@ impl<'a> Director<'a> {
     }
 
     /// State of a channel for the job.
-    fn doing(&self, channel: u16) -> Doing {
+    fn doing(&self, channel: u16) -> ChannelActivity {
         let index = self.info.channel_index(channel);
-        index.and_then(|index| self.control.progress().get(index)).map_or(Doing::NotStarted, |now| now.state())
+        index
+            .and_then(|index| self.control.progress().get(index))
+            .map_or(ChannelActivity::NotStarted, |now| now.state())
     }
 
     /// The kernel that continues; waits while the run is paused. `None`: none has anything to do.
@@ -141,7 +143,7 @@ impl<'a> Director<'a> {
             if !kernels.iter().any(|kernel| kernel.ready) {
                 return None;
             }
-            let standing = Standing { kernels, waits: &|channel| self.doing(channel) == Doing::Waiting };
+            let standing = Standing { kernels, waits: &|channel| self.doing(channel) == ChannelActivity::Waiting };
             match state.decide(&standing, self.info) {
                 Decision::Run(at) => return Some(at),
                 Decision::Stop(channel, reason) => self.stand(&mut state, (channel, reason), common),
@@ -214,7 +216,7 @@ impl<'a> Director<'a> {
                     return Err("a reset is for one channel: reset 1".to_owned());
                 }
                 self.runs(channel)?;
-                if self.doing(channel) == Doing::Waiting {
+                if self.doing(channel) == ChannelActivity::Waiting {
                     return Err(format!(
                         "channel {channel} is waiting; reset it after its partner has arrived, before its next block"
                     ));
@@ -231,7 +233,9 @@ impl<'a> Director<'a> {
     fn step(&self, state: &mut StepState, whom: Whom, blocks: u32) -> Result<(), String> {
         let under_way = |channel: &SteppedChannel, waits: bool| {
             let doing = self.doing(channel.number);
-            channel.seen.is_some() && !channel.at_block && (doing == Doing::Running || waits && doing == Doing::Waiting)
+            channel.seen.is_some()
+                && !channel.at_block
+                && (doing == ChannelActivity::Running || waits && doing == ChannelActivity::Waiting)
         };
         state.goal = match whom {
             // At a breakpoint within a block.
@@ -251,7 +255,7 @@ impl<'a> Director<'a> {
                 }
                 let under_way = state.channel(channel).is_some_and(|channel| under_way(channel, true));
                 let blocks = blocks - u32::from(under_way);
-                StepGoal::One { channel, blocks, stood: self.doing(channel) == Doing::Waiting }
+                StepGoal::One { channel, blocks, stood: self.doing(channel) == ChannelActivity::Waiting }
             }
         };
         Ok(())
@@ -260,7 +264,9 @@ impl<'a> Director<'a> {
     /// Runs the channels to the block after the return from this number of calls.
     fn step_out(&self, state: &mut StepState, whom: Whom, calls: u32) -> Result<(), String> {
         let inside = |channel: &SteppedChannel| channel.seen.as_ref().map_or(0, |seen| seen.level);
-        let runs = |channel: &SteppedChannel| matches!(self.doing(channel.number), Doing::Running | Doing::Waiting);
+        let runs = |channel: &SteppedChannel| {
+            matches!(self.doing(channel.number), ChannelActivity::Running | ChannelActivity::Waiting)
+        };
         let meant = |channel: &SteppedChannel| match whom {
             Whom::One(number) => channel.number == number,
             Whom::Next | Whom::All => runs(channel) && inside(channel) > 0,
@@ -306,9 +312,9 @@ impl<'a> Director<'a> {
     fn runs(&self, channel: u16) -> Result<(), String> {
         self.known(channel)?;
         match self.doing(channel) {
-            Doing::NotStarted => Err(format!("channel {channel} has no program that runs")),
-            Doing::Ready | Doing::Running | Doing::Waiting => Ok(()),
-            Doing::Ended | Doing::Alarmed | Doing::Stopped | Doing::Blocked => {
+            ChannelActivity::NotStarted => Err(format!("channel {channel} has no program that runs")),
+            ChannelActivity::Ready | ChannelActivity::Running | ChannelActivity::Waiting => Ok(()),
+            ChannelActivity::Ended | ChannelActivity::Alarmed | ChannelActivity::Stopped | ChannelActivity::Blocked => {
                 Err(format!("channel {channel} has ended"))
             }
         }

@@ -1,7 +1,7 @@
 //! Reports the positions of everything to the operator.
 
 use counterpoint_event::info::{self, BLOCK_TEXT};
-use counterpoint_ports::control::ChannelActivity as Doing;
+use counterpoint_ports::control::ChannelActivity;
 use counterpoint_ports::dialog::answers::DialogValue;
 use counterpoint_ports::step::{ChannelReport, Common, StepReport};
 
@@ -27,7 +27,7 @@ impl Director<'_> {
     fn channel(&self, of: &info::JobChannel, one: &SteppedChannel) -> ChannelReport {
         let index = self.info.channel_index(of.number);
         let progress = index.and_then(|index| self.control.progress().get(index));
-        let state = progress.map_or(Doing::NotStarted, |now| now.state());
+        let state = progress.map_or(ChannelActivity::NotStarted, |now| now.state());
         let seen = one.seen.clone().unwrap_or_default();
         let reached = progress.map_or(0, |now| now.t_ns.load(std::sync::atomic::Ordering::Relaxed));
         let axes = of.axes.iter().zip(seen.position).filter(|_| one.seen.is_some());
@@ -40,7 +40,7 @@ impl Director<'_> {
             t_ns: seen.t_ns.max(reached),
             wait: progress.and_then(|now| now.waiting_for()),
             held: one.held,
-            in_block: !one.at_block && matches!(state, Doing::Running | Doing::Waiting),
+            in_block: !one.at_block && matches!(state, ChannelActivity::Running | ChannelActivity::Waiting),
             positions: axes.map(|(axis, value)| (axis.name.clone(), value)).collect(),
             words: seen.words,
             variables: seen.variables.iter().map(|(n, value)| (format!("#{n}"), DialogValue::Number(*value))).collect(),

@@ -22,7 +22,7 @@ pub(super) mod families {
     pub(crate) use super::cycle::HoleCycle;
     pub(crate) use super::head::HeadEvent;
     pub(crate) use super::local::FrameChange;
-    pub(crate) use super::plane::{PlaneDefinition as Lie, Tilt};
+    pub(crate) use super::plane::{PlaneDefinition, Tilt};
     pub(crate) use super::thread::{LeadChange, ThreadCycle, ThreadCycleSetting};
     pub(crate) use super::turning::{LapCycle, TurningCycle};
 }

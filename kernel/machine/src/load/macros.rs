@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::compile::{self, CompileOptions, DeclarationStrictness, MacroProgram, MacroRole as Kind};
+use counterpoint_lang::compile::{self, CompileOptions, DeclarationStrictness, MacroProgram, MacroRole};
 use counterpoint_lang::source::MacroSource;
 
 use super::macro_uses::{self, Available};
@@ -63,12 +63,12 @@ pub(super) fn read(
     };
     if let Some((file, place)) = composite.flatten() {
         // It runs in the master kernel; here it says which GLOBAL variables there are.
-        compiler.add(file, place, Kind::Declaration, Available::of(Hook::Declaration));
+        compiler.add(file, place, MacroRole::Declaration, Available::of(Hook::Declaration));
     }
     compiler.own = composite.is_some();
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
-        compiler.add(file, place, Kind::Library, Available::FUNCTIONS);
+        compiler.add(file, place, MacroRole::Library, Available::FUNCTIONS);
     }
     for hook in Hook::ALL.into_iter().filter(|hook| *hook != Hook::Declaration) {
         compiler.hook(&mut section, hook, &mut macros.hooks);
@@ -102,11 +102,11 @@ struct MacroLoader<'a, 'n> {
 }
 
 /// Kind of the macro of a hook, which decides its permitted content.
-fn kind(hook: Hook) -> Kind {
+fn kind(hook: Hook) -> MacroRole {
     match hook {
-        Hook::Declaration => Kind::Declaration,
-        Hook::Motion | Hook::Cycle | Hook::Tool | Hook::Diagnostic => Kind::Any,
-        _ => Kind::Startup,
+        Hook::Declaration => MacroRole::Declaration,
+        Hook::Motion | Hook::Cycle | Hook::Tool | Hook::Diagnostic => MacroRole::Any,
+        _ => MacroRole::Startup,
     }
 }
 
@@ -120,7 +120,7 @@ impl MacroLoader<'_, '_> {
     }
 
     /// Compiles a file; returns its macros without a header.
-    fn add(&mut self, file: &str, place: &DefinitionPlace, kind: Kind, given: Available) -> Option<Vec<u16>> {
+    fn add(&mut self, file: &str, place: &DefinitionPlace, kind: MacroRole, given: Available) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {
             let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
@@ -170,12 +170,12 @@ impl MacroLoader<'_, '_> {
     }
 
     /// Compiles a file that holds one macro.
-    fn one(&mut self, file: &str, place: &DefinitionPlace, kind: Kind, given: Available) -> Option<u16> {
+    fn one(&mut self, file: &str, place: &DefinitionPlace, kind: MacroRole, given: Available) -> Option<u16> {
         let found = self.add(file, place, kind, given)?;
         match found.as_slice() {
             [one] => Some(*one),
             // Functions are declared by being there.
-            [] if kind == Kind::Declaration => None,
+            [] if kind == MacroRole::Declaration => None,
             [] => {
                 self.names.check.error(place, format!("{} holds no macro", file.escape_debug()));
                 None
@@ -231,7 +231,8 @@ impl MacroLoader<'_, '_> {
         row.require("file", "the file of the macro");
         let (condition, triggers) = self.condition(row, of_codes);
         let default = triggers.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
-        let (kind, given) = if of_codes { (Kind::Any, Available::CODE) } else { (Kind::Data, Available::DATA) };
+        let (kind, given) =
+            if of_codes { (MacroRole::Any, Available::CODE) } else { (MacroRole::Data, Available::DATA) };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind, given)?;
         Some(TriggeredMacro { id, name: name.unwrap_or(default), enabled, code, matches: triggers, condition })

@@ -4,7 +4,7 @@
 //! path that comes too near to any contour is none, so doubtful cases are refused, not guessed.
 
 use super::area::{backwards, size};
-use super::blend::{CornerBlend as Blend, blend_reduced};
+use super::blend::{CornerBlend, blend_reduced};
 use super::crossing::{crossings, heights};
 use super::element::{Element, NOISE, Spot, direction, distance};
 use super::near::{at, nearest};
@@ -105,7 +105,7 @@ impl ClosedContour {
         for place in 0..count {
             let next = (place + 1) % count;
             if let (Some(mut one), Some(mut other)) = (pieces.get(place).copied(), pieces.get(next).copied()) {
-                let (made, _) = blend_reduced(&mut one, &mut other, Blend::Round(radius));
+                let (made, _) = blend_reduced(&mut one, &mut other, CornerBlend::Round(radius));
                 for (slot, piece) in [(place, one), (next, other)] {
                     pieces.splice(slot..=slot, [piece]);
                 }

@@ -3,7 +3,7 @@
 //! The pre-processor finds the contour before its block is split; the cycle takes it. Facts: reference okuma-osp.md 4.
 //! *Invariant:* a cycle that moves has a contour and depths above 0; amounts get their direction from the contour.
 
-use counterpoint_motion::turning::lap::{DepthChange, LapSettings as Told};
+use counterpoint_motion::turning::lap::{DepthChange, LapSettings};
 use counterpoint_motion::turning::rough;
 
 use crate::act::ActionContext;
@@ -72,7 +72,7 @@ pub(super) fn cycle(act: &mut ActionContext<'_, '_>, plane: &LathePlane, kind: L
         );
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
-    let lap = Told { copies: kind != LapCycle::Bar, changes, stays };
+    let lap = LapSettings { copies: kind != LapCycle::Bar, changes, stays };
     let retract = act.channel().env.machine.turning.retract;
     let settings = rough::RoughSettings {
         face: shape.face,

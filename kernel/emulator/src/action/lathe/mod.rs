@@ -18,7 +18,7 @@ pub(super) use strip::strip;
 use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::contour::shifted::shifted;
-use counterpoint_motion::turning::{ContourError, ProgrammedContour as Shape, pattern, peck, rough};
+use counterpoint_motion::turning::{ContourError, ProgrammedContour, pattern, peck, rough};
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
@@ -277,7 +277,7 @@ pub(super) fn cut(act: &mut ActionContext<'_, '_>, cycle: &ContourCycle, reading
         feeds.truncate(if beside.len() == elements.len() { beside.len() } else { 0 });
         elements = beside;
     }
-    let shape = Shape { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
+    let shape = ProgrammedContour { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
     let refused = match cycle.task {
         ContourTask::Finish { .. } | ContourTask::Pocket(_) | ContourTask::Thread { .. } => None,
         ContourTask::Rough(settings, pockets) => {
