@@ -39,9 +39,9 @@ fn numbers(done: &Done) -> Vec<u32> {
 }
 
 #[test]
-fn calls_without_end_come_to_the_nesting_limit() {
-    assert_eq!(numbers(&run("DEEP\nM30\n")), [2900041]);
-    assert_eq!(numbers(&run("ONE: MSG(\"a\")\nREPEAT ONE TWO\nTWO: M30\n")), [2900041]);
+fn calls_without_end_come_to_the_levels_of_the_control() {
+    assert_eq!(numbers(&run("DEEP\nM30\n")), [2900352]);
+    assert_eq!(numbers(&run("ONE: MSG(\"a\")\nREPEAT ONE TWO\nTWO: M30\n")), [2900352]);
 }
 
 #[test]
