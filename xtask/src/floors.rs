@@ -24,6 +24,7 @@ const FLOORS: &[&[&str]] = &[
     ],
     &["controls"],
     &["waits"],
+    &["channel"],
     &["emulator"],
     &["kernel"],
     &["server", "client"],

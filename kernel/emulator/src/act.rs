@@ -23,13 +23,13 @@ use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use crate::channel::callee::{Callee, Pending};
 use crate::channel::plan::DataSource;
-use crate::state::channel::ChannelContext;
-use crate::state::coupling::Parking;
-use crate::state::cycle::CycleHole;
-use crate::state::figure::CopiedFigure;
-use crate::state::frames::offsets::OffsetTable;
-use crate::state::spindle::SpindleRotation;
-use crate::state::turning::ContourCycle;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::coupling::Parking;
+use counterpoint_channel::cycle::CycleHole;
+use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::offset_tables::OffsetTable;
+use counterpoint_channel::spindle::SpindleRotation;
+use counterpoint_channel::turning::ContourCycle;
 
 /// The effect of a code on its channel.
 pub(crate) trait CodeAction: Debug + Sync {
@@ -306,7 +306,7 @@ impl ActionContext<'_, '_> {
     }
 
     /// Takes whole turns off the position of an axis; nothing moves.
-    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: crate::state::clamps::Modulo) {
+    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: counterpoint_channel::clamps::Modulo) {
         self.kernel.unwind_axis(axis, modulo);
     }
 }

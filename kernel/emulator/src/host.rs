@@ -27,9 +27,9 @@ use counterpoint_sync::races::AccessMode;
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use crate::macros::calls::unwinding;
-use crate::macros::issued::Later;
-use crate::macros::values;
+use counterpoint_channel::macros::calls::unwinding;
+use counterpoint_channel::macros::issued::Later;
+use counterpoint_channel::macros::values;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::macros::model::Hook;
 

@@ -10,7 +10,5 @@ pub mod channel;
 pub mod hooks;
 mod host;
 mod lint;
-pub mod macros;
 mod pipeline;
-pub mod state;
 mod trace;

@@ -1,6 +1,6 @@
 //! The only public entry: prepare a job, run it, receive ordered events.
 
-pub use counterpoint_emulator::macros::STACK;
+pub use counterpoint_channel::macros::STACK;
 pub use counterpoint_event::RunEnd;
 use counterpoint_ports::control::JobControl;
 use counterpoint_ports::files::JobFiles;

@@ -1,6 +1,6 @@
 //! Limits of the working area: G25 and G26 set them, and those of the speed; WALIMON and WALIMOF switch them.
 //!
-//! Facts: see `state/area.rs`. *Invariant:* no axis moves.
+//! Facts: see `counterpoint_channel::area`. *Invariant:* no axis moves.
 
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;

@@ -6,8 +6,8 @@ use counterpoint_machine::index::AxisSlot;
 use counterpoint_motion::arc as geometry;
 
 use crate::act::ActionContext;
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::thread::Screw;
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::thread::Screw;
 
 /// A circle to be made, in the frame of its points.
 #[derive(Debug, Clone, Copy)]

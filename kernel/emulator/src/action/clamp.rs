@@ -5,7 +5,7 @@
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, entry_of_kind};
-use crate::state::clamps::Modulo;
+use counterpoint_channel::clamps::Modulo;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

@@ -11,7 +11,7 @@ use counterpoint_program::block::ContourEnd;
 use super::tool_offsets::take_diameter;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::compensation::number_of;
+use counterpoint_channel::compensation::number_of;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -7,8 +7,8 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::coolant::head;
-use crate::state::modal::group;
+use counterpoint_channel::coolant::head;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{Coolant, Kind, Outlet};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

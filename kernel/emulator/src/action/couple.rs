@@ -5,7 +5,7 @@
 
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;
-use crate::state::coupling::{Coupling, Parking};
+use counterpoint_channel::coupling::{Coupling, Parking};
 use counterpoint_event::event::Kind as Logged;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

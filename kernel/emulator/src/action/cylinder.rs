@@ -12,8 +12,8 @@ use counterpoint_machine::index::AxisSlot;
 
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;
-use crate::state::frame_transforms::PolarInterpolation;
-use crate::state::modal::{group, plane};
+use counterpoint_channel::frame_transforms::PolarInterpolation;
+use counterpoint_channel::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

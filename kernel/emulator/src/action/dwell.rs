@@ -5,8 +5,8 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::plausible::{LONGEST_DWELL, hours};
-use crate::state::spindle::{SpindleRotation, stopped};
+use counterpoint_channel::plausible::{LONGEST_DWELL, hours};
+use counterpoint_channel::spindle::{SpindleRotation, stopped};
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
@@ -105,7 +105,7 @@ fn dwell(act: &mut ActionContext<'_, '_>, seconds: f64) -> Acted {
             format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.channel().block_text());
         act.diagnose(&diag::LONG_DWELL, text);
     }
-    let ns = crate::state::at::nanoseconds(seconds);
+    let ns = counterpoint_channel::at::nanoseconds(seconds);
     act.channel_mut().emit(ns, Kind::Dwell(Dwell));
     act.channel_mut().advance(ns);
     act.note_dwell(ns);

@@ -4,13 +4,13 @@
 //! of the control; reference control-emulator.md 5.6 for comments. *Invariant:* a text that cannot be engraved as a
 //! whole moves nothing.
 
-use crate::state::text;
+use counterpoint_channel::text;
 use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::lettering::{self, GAP};
 
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

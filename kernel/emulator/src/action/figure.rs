@@ -14,7 +14,7 @@ use counterpoint_motion::frame::local::{LocalFrame, LocalFramePart, Programmed};
 use crate::act::ActionContext;
 use crate::action::cutter;
 use crate::action::entry::ActionEntry;
-use crate::state::figure::{CopiedFigure, Copy};
+use counterpoint_channel::figure::{CopiedFigure, Copy};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -13,7 +13,7 @@ use counterpoint_program::block::PendingCode;
 use super::offset_words::{in_machine_frame, length_changed, put_length};
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -12,10 +12,10 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::channel::ChannelContext;
-use crate::state::channel_axis::ChannelAxis;
 use crate::trace;
 use crate::trace::ACTION;
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::channel_context::ChannelContext;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

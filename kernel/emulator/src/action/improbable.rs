@@ -6,8 +6,8 @@
 use crate::act::ActionContext;
 use crate::action::thread::EVEN;
 use crate::action::time::TimedPath;
-use crate::state::plausible::hours;
-use crate::state::spindle::SpindleRotation;
+use counterpoint_channel::plausible::hours;
+use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_event::event::{FeedUnit, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -39,7 +39,7 @@ impl ActionContext<'_, '_> {
         self.channel().check_stop()
     }
 
-    /// Looks at a feed per minute that is above [`look_above`](crate::state::plausible::Plausible).
+    /// Looks at a feed per minute that is above [`look_above`](counterpoint_channel::plausible::Plausible).
     #[cold]
     pub(super) fn look_at_feed(&mut self, feed: f64, path: &TimedPath<'_>) -> Acted {
         let again = self.look_at_spindle(path)?;

@@ -13,7 +13,7 @@ use counterpoint_machine::index::BySlot;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -18,8 +18,8 @@ use crate::act::ActionContext;
 use crate::action::cutter;
 use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::action::local_beside as beside;
-use crate::state::frame_transforms::FrameTransforms;
-use crate::state::modal::group;
+use counterpoint_channel::frame_transforms::FrameTransforms;
+use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

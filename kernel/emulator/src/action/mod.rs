@@ -63,7 +63,7 @@ use entry::ActionEntry;
 use crate::act::ActionContext;
 use crate::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
 use crate::channel::{chucks, paired_spindles};
-use crate::state::turning::ContourTask;
+use counterpoint_channel::turning::ContourTask;
 
 /// The registry.
 static ENTRIES: &[&[ActionEntry]] = &[

@@ -5,8 +5,8 @@
 use super::time::TimedPath;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::cutter::{MoveShape, ProgrammedMove};
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::cutter::{MoveShape, ProgrammedMove};
+use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

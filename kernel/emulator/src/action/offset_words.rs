@@ -10,7 +10,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 
 use crate::act::ActionContext;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 
 /// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
 /// bit each.

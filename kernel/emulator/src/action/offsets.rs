@@ -7,8 +7,8 @@ use std::borrow::Cow;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::frames::offsets::{EXTENDED, OffsetTable, Radii};
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::offset_tables::{EXTENDED, OffsetTable, Radii};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

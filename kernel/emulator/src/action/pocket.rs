@@ -22,8 +22,10 @@ use crate::act::ActionContext;
 use crate::action::circular_move::CircularMove;
 use crate::action::entry::ActionEntry;
 use crate::action::{cutter, turned};
-use crate::state::modal::{group, plane};
-use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour};
+use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::turning::{
+    ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour,
+};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::POCKET], |act, _, _| pocket(act))];

@@ -18,11 +18,11 @@ use super::circular_move::CircularMove;
 use super::time::TimedPath;
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::channel_axis::ChannelAxis;
-use crate::state::frame_transforms::PolarInterpolation;
-use crate::state::frames::polar::round_the_centre;
-use crate::state::modal::{group, plane};
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::frame_transforms::PolarInterpolation;
+use counterpoint_channel::frames::polar::round_the_centre;
+use counterpoint_channel::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -11,8 +11,8 @@ use counterpoint_program::block::RetrievedValue;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::frame_transforms::PolarWords;
-use crate::state::modal::{group, plane};
+use counterpoint_channel::frame_transforms::PolarWords;
+use counterpoint_channel::modal::{group, plane};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

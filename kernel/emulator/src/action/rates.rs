@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 use counterpoint_motion::arc::PlaneArc;
 
 use crate::act::ActionContext;
-use crate::state::frames::polar::between;
+use counterpoint_channel::frames::polar::between;
 use counterpoint_event::event::Position;
 
 /// Paths below this are none.

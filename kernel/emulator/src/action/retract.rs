@@ -5,7 +5,7 @@
 
 use crate::act::ActionContext;
 use crate::action::entry::ActionEntry;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

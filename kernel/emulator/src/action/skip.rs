@@ -6,7 +6,7 @@
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::probing::Probing;
+use counterpoint_channel::probing::Probing;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;

@@ -10,7 +10,7 @@ use counterpoint_machine::index::BySlot;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::stored::StoredArea;
+use counterpoint_channel::stored::StoredArea;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

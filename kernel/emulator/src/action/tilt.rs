@@ -21,7 +21,7 @@ use counterpoint_motion::frame::plane::UNITS;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, entry_of_kind};
 use crate::action::retract::{go, rate, retract};
-use crate::state::frame_transforms::{PartialPlane, Turned};
+use counterpoint_channel::frame_transforms::{PartialPlane, Turned};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] =

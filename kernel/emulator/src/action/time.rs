@@ -7,8 +7,8 @@ use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
 
 use crate::act::ActionContext;
-use crate::state::modal::group;
-use crate::state::plausible::LONGEST_MOVE;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::plausible::LONGEST_MOVE;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -178,7 +178,7 @@ impl ActionContext<'_, '_> {
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);
         };
-        use crate::state::spindle::{SpindleRotation, stopped};
+        use counterpoint_channel::spindle::{SpindleRotation, stopped};
         let minutes = match speed {
             SpindleRotation::Fixed(rpm) => path.length / (feed * rpm),
             SpindleRotation::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),

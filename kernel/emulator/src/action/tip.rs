@@ -14,7 +14,7 @@ use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, T
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, entry_of_kind};
-use crate::state::frames::clean;
+use counterpoint_channel::frames::clean;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -10,7 +10,7 @@ use counterpoint_machine::ident::{codes, data};
 use super::tool_offsets::{has_no_values, missing_among_listed};
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -46,7 +46,7 @@ pub(super) fn load(act: &mut ActionContext<'_, '_>) -> Acted {
     let changes = tool != act.channel().state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
-    let ns = crate::state::at::nanoseconds(seconds);
+    let ns = counterpoint_channel::at::nanoseconds(seconds);
     act.note_effect();
     if changes && act.channel().env.machine.tool.change_motion {
         super::change_point::before_load(act)?;

@@ -16,8 +16,8 @@ use nalgebra::Vector3;
 
 use super::circular_move::CircularMove;
 use crate::act::ActionContext;
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::modal::{Plane, plane};
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::modal::{Plane, plane};
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;

@@ -11,7 +11,7 @@ use counterpoint_machine::model::RotaryPositioning;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::clamps::Modulo;
+use counterpoint_channel::clamps::Modulo;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -25,7 +25,7 @@ const SHORTEST: u16 = 151;
 /// Switches the shorter path on or off for rotary axes that have no limits and take positions.
 fn shortest(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     let axes: Vec<AxisSlot> = {
-        let takes = |(_, axis): &(AxisSlot, &crate::state::channel_axis::ChannelAxis)| {
+        let takes = |(_, axis): &(AxisSlot, &counterpoint_channel::channel_axis::ChannelAxis)| {
             axis.rotary
                 && axis.limits.is_none()
                 && act.channel().env.machine.axes[axis.machine].turn == RotaryPositioning::Position

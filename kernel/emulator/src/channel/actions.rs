@@ -7,9 +7,9 @@ use std::fmt::Debug;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::state::cycle::CycleHole;
-use crate::state::figure::CopiedFigure;
-use crate::state::turning::{ContourCycle, RecordedContour};
+use counterpoint_channel::cycle::CycleHole;
+use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::turning::{ContourCycle, RecordedContour};
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::rows::CodeRow;

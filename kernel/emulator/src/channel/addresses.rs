@@ -1,6 +1,6 @@
 //! The last value of each address: the only source for system variables and stepping.
 //!
-//! The words themselves are in [`RememberedWords`](crate::state::remembered::RememberedWords); this module converts them to the
+//! The words themselves are in [`RememberedWords`](counterpoint_channel::remembered::RememberedWords); this module converts them to the
 //! units of the program and adds the values of the running program. Program numbers come from the words that define the
 //! programs, and from calls by number, never from a file name. *Invariant:* reading changes nothing. Facts: reference
 //! fanuc-variables-and-alarms.md 1.5.
@@ -12,9 +12,9 @@ use super::Kernel;
 use super::callee::Callee;
 use super::flow::RunningProgram;
 use crate::channel::system_variables;
-use crate::state::channel::ChannelContext;
-use crate::state::frames::offsets::EXTENDED;
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::{feed_of, group};
+use counterpoint_channel::offset_tables::EXTENDED;
 
 /// Addresses that an operator wants to see, in the order of a screen.
 const SHOWN: &[u8] = b"ONDHFSTM";

@@ -9,7 +9,7 @@ use counterpoint_sync::shared::OneSidedCoupling;
 
 use super::Kernel;
 use super::coupling::{CoupledAxisMove, Meeting, key as coupling_key};
-use crate::state::coupling::{Coupling, Parking};
+use counterpoint_channel::coupling::{Coupling, Parking};
 use counterpoint_waits::coupling::{self, CoupledPair, CouplingKind};
 
 impl Kernel<'_> {

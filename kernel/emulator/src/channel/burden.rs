@@ -1,7 +1,7 @@
 //! Limits of memory and of work within blocks.
 
 use super::Kernel;
-use crate::state::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
+use counterpoint_channel::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_ports::control::Limit;
 

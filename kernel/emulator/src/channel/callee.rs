@@ -8,8 +8,8 @@ use counterpoint_motion::turning::strip::Strip;
 use rustc_hash::FxHashMap;
 
 use super::custom_macro::CallingWord;
-use crate::state::figure::CopiedFigure;
-use crate::state::turning::ContourCycle;
+use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::turning::ContourCycle;
 
 /// The next step after the current block.
 #[derive(Debug, Clone, PartialEq)]

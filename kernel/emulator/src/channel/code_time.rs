@@ -5,8 +5,8 @@
 //! for, and the wait is shown as that function.
 
 use super::Kernel;
-use crate::state::RunningFunction;
-use crate::state::at::nanoseconds;
+use counterpoint_channel::RunningFunction;
+use counterpoint_channel::at::nanoseconds;
 use counterpoint_event::event::{Kind, MotionKind, TimedFunction};
 use counterpoint_machine::rows::{CodeRow, TimeOverlap};
 use counterpoint_program::block::PendingCode;

@@ -14,7 +14,7 @@ use counterpoint_machine::preprocessor::Preprocessor;
 
 use super::dialect_state::DialectState;
 use super::plan::ExecutionPlan;
-use crate::macros::runtime::Runtime;
+use counterpoint_channel::macros::runtime::Runtime;
 
 /// A component, prepared.
 #[derive(Clone, Copy)]

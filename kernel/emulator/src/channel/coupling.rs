@@ -17,10 +17,10 @@ use counterpoint_sync::wait::Wait;
 use counterpoint_waits::coupling::{CoupledAxis, CoupledPair, CouplingKind};
 
 use super::Kernel;
-use crate::state::ChannelMemory;
-use crate::state::channel_axis::TravelBounds;
-use crate::state::coupling::{Coupling, Parking, slots};
-use crate::state::position::MotionState;
+use counterpoint_channel::ChannelMemory;
+use counterpoint_channel::channel_axis::TravelBounds;
+use counterpoint_channel::coupling::{Coupling, Parking, slots};
+use counterpoint_channel::position::MotionState;
 
 /// Where two channels meet.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Position words fire the active cycle, or the active motion code.
 
 use super::Kernel;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::index::CodeRowId;

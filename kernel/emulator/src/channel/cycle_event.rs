@@ -7,9 +7,9 @@ use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
-use crate::macros::calls::OutputTask;
-use crate::macros::values::code_value;
-use crate::state::cycle::CycleHole;
+use counterpoint_channel::cycle::CycleHole;
+use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::macros::values::code_value;
 use counterpoint_machine::macros::model::Hook;
 
 impl Kernel<'_> {

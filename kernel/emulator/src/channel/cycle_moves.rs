@@ -6,7 +6,7 @@
 
 use super::Kernel;
 use super::plan::{DataSource, RECALLED};
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_control_api::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault::Halt;

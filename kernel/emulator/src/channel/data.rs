@@ -6,7 +6,7 @@ use counterpoint_machine::Machine;
 
 use super::Kernel;
 use super::plan::{DataSource, RECALLED};
-use crate::state::channel::Handed;
+use counterpoint_channel::channel_context::Handed;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;

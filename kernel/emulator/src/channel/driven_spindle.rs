@@ -14,8 +14,8 @@ use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
 use super::access::Door;
-use crate::state::at::nanoseconds;
-use crate::state::spindle::SpindleRotation;
+use counterpoint_channel::at::nanoseconds;
+use counterpoint_channel::spindle::SpindleRotation;
 
 /// Changes of the speed by less than this share do not count.
 const STEADY: f64 = 0.01;

@@ -13,7 +13,7 @@ use counterpoint_sync::LastAxisMove;
 use counterpoint_sync::wait::{Wait, WaitOp};
 
 use super::Kernel;
-use crate::state::position::MotionState;
+use counterpoint_channel::position::MotionState;
 use counterpoint_waits::Meaning;
 use counterpoint_waits::leases::{self, Leased, of_axis};
 
@@ -68,7 +68,7 @@ impl Kernel<'_> {
     pub(super) fn exchanged_move(&mut self, seconds: f64, motion: &Motion) -> Acted {
         let slots = self.channel.state.place.layout.exchanged;
         let channel = self.channel.at.channel;
-        let end_ns = self.channel.at.clock + crate::state::at::nanoseconds(seconds);
+        let end_ns = self.channel.at.clock + counterpoint_channel::at::nanoseconds(seconds);
         let to = self.channel.state.place.machine_point(&motion.to);
         let in_exchange = |slot: &AxisSlot| slots & slot.bit() != 0;
         for slot in self.channel.state.place.layout.axes.ids().filter(in_exchange).collect::<Vec<_>>() {

@@ -14,7 +14,7 @@ use super::callee::{Callee, Labels, Pending, Printing};
 use super::custom_macro::{CodeMacro, ModalCalls, WordKind};
 use super::known_blocks::KnownBlocks;
 use super::passes::LoopTracker;
-use crate::state::figure::CopiedFigure;
+use counterpoint_channel::figure::CopiedFigure;
 
 /// One running program text.
 #[derive(Debug, Clone)]

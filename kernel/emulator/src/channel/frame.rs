@@ -3,8 +3,8 @@
 //! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
 use super::Kernel;
-use crate::state::clamps::Modulo;
-use crate::state::frames::offsets::OffsetTable;
+use counterpoint_channel::clamps::Modulo;
+use counterpoint_channel::offset_tables::OffsetTable;
 use counterpoint_event::event::{FrameShift, Kind, MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};

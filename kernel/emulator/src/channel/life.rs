@@ -1,6 +1,6 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 

@@ -69,14 +69,14 @@ use flow::ProgramFlow;
 use parts::{Ports, Setup};
 use plan::ExecutionPlan;
 
-use crate::macros::runtime::Runtime;
-use crate::state::ChannelMemory;
-use crate::state::at::ExecutionPoint;
-use crate::state::burden::Burden;
-use crate::state::channel::{Acting, BlockText, ChannelContext, Reports};
-use crate::state::context::BlockContext;
-use crate::state::emitter::Emitter;
-use crate::state::pace::FeedPlanner;
+use counterpoint_channel::ChannelMemory;
+use counterpoint_channel::at::ExecutionPoint;
+use counterpoint_channel::burden::Burden;
+use counterpoint_channel::channel_context::{Acting, BlockText, ChannelContext, Reports};
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::emitter::Emitter;
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::pace::FeedPlanner;
 
 /// The kernel of one channel.
 pub struct Kernel<'a> {

@@ -11,8 +11,8 @@ use crate::channel::{chucks, exchange};
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
-use crate::state::arc::LastMove;
-use crate::state::stretch::{emit_move, paced};
+use counterpoint_channel::arc::LastMove;
+use counterpoint_channel::stretch::{emit_move, paced};
 
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
@@ -104,7 +104,7 @@ impl Kernel<'_> {
             self.channel.state.arcs.feed = Some((motion.feed, motion.feed_unit));
         }
         self.channel.state.place.position = motion.to;
-        let ns = crate::state::at::nanoseconds(seconds);
+        let ns = counterpoint_channel::at::nanoseconds(seconds);
         if let Some(stretch) = stretch {
             emit_move(&mut self.channel, ns, motion, &stretch);
             self.channel.at.advance(ns);

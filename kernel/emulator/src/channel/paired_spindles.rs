@@ -19,7 +19,7 @@ use super::Kernel;
 use super::access::Door;
 use super::actions::Action;
 use super::report::report_spindle_conflict;
-use crate::state::at::nanoseconds;
+use counterpoint_channel::at::nanoseconds;
 
 /// The effect of a code on two spindles.
 #[derive(Debug, Clone, Copy)]

@@ -2,8 +2,8 @@
 
 use super::components::PreparedComponent;
 use super::plan::ExecutionPlan;
-use crate::state::channel::RunEnvironment;
-use crate::state::emitter::Emitter;
+use counterpoint_channel::channel_context::RunEnvironment;
+use counterpoint_channel::emitter::Emitter;
 use counterpoint_ports::control::{ChannelProgress, JobControl};
 use counterpoint_ports::step::Stepper;
 use counterpoint_sync::coordinator::switch::Port;

@@ -4,7 +4,7 @@
 //! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;

@@ -6,8 +6,8 @@
 //! with an alarm never counts as succeeded, however low the severity of the alarm is.
 
 use super::Kernel;
-use crate::state::alarms::Alarms;
-use crate::state::burden::{RESULT, shortened};
+use counterpoint_channel::alarms::Alarms;
+use counterpoint_channel::burden::{RESULT, shortened};
 use counterpoint_event::event::{Diagnostic, Kind, Unrecognised};
 use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_fault::{Acted, Halt};

@@ -21,8 +21,8 @@ use counterpoint_program::shape::ProgramRange;
 
 use super::Kernel;
 use super::callee::{Callee, Labels};
-use crate::macros::store;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::macros::store;
 
 /// A place to look in. The names of files are made when their turn comes.
 #[derive(Debug, Clone, Copy)]

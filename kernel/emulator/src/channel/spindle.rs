@@ -10,8 +10,8 @@ use super::Kernel;
 use super::access::Door;
 use super::report::report_spindle_conflict;
 use super::{chucks, paired_spindles};
-use crate::state::channel::ChannelContext;
-use crate::state::spindle::SpindleRotation;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::SpindleId;
@@ -112,7 +112,7 @@ impl Kernel<'_> {
         if after != before {
             seconds += self.channel.env.machine.time.spindle_speed;
         }
-        let ns = crate::state::at::nanoseconds(seconds);
+        let ns = counterpoint_channel::at::nanoseconds(seconds);
         let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
         if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {

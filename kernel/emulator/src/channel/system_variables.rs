@@ -7,9 +7,9 @@
 use rustc_hash::FxHashMap;
 
 use super::{Kernel, unit_switch};
-use crate::state::channel::ChannelContext;
-use crate::state::frames::offsets::{BASE, EXTENDED, OffsetTable, Radii};
-use crate::state::position::MotionState;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::offset_tables::{BASE, EXTENDED, OffsetTable, Radii};
+use counterpoint_channel::position::MotionState;
 use counterpoint_control_api::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;

@@ -8,11 +8,11 @@
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::macros::store::column;
-use crate::macros::tool_table::sort_column;
-use crate::state::channel::ChannelContext;
-use crate::state::frames::offsets::Radii;
-use crate::state::modal::group;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::macros::store::column;
+use counterpoint_channel::macros::tool_table::sort_column;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::offset_tables::Radii;
 use counterpoint_event::event::{Kind, ToolData};
 use counterpoint_machine::ident::codes;
 

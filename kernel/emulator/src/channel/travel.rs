@@ -13,8 +13,8 @@ use counterpoint_motion::space::SpaceArc;
 use counterpoint_program::block::Word;
 
 use super::Kernel;
-use crate::state::channel::ChannelContext;
-use crate::state::channel_axis::FIRST_AXES;
+use counterpoint_channel::channel_axis::FIRST_AXES;
+use counterpoint_channel::channel_context::ChannelContext;
 
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);

@@ -7,8 +7,8 @@
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
-use crate::state::channel::ChannelContext;
-use crate::state::text;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::text;
 use counterpoint_control_api::Unknown;
 use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, DiagnosticFacts};
@@ -192,7 +192,7 @@ impl Kernel<'_> {
 
     /// Whether a motion code is written in the block.
     fn moves_by_itself(&self) -> bool {
-        self.group_queued(crate::state::modal::group::MOTION)
+        self.group_queued(counterpoint_channel::modal::group::MOTION)
     }
 
     /// The text that is unrecognised after all codes have acted.

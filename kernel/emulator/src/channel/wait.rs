@@ -9,7 +9,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, WaitArrival};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::ChannelActivity;
@@ -183,7 +183,7 @@ impl Logged {
     /// Logs that the channel waits from now on.
     fn new(kernel: &mut Kernel<'_>, wait: &wait::Wait, since_ns: i64) -> Self {
         let wait = kernel.channel.reports.waits.wait(wait);
-        kernel.channel.burden.result(crate::state::burden::RESULT);
+        kernel.channel.burden.result(counterpoint_channel::burden::RESULT);
         kernel.channel.emit(0, Kind::Wait(wait.clone()));
         Self { wait, since_ns }
     }
@@ -211,7 +211,7 @@ impl Kernel<'_> {
         }
         let tag = Tag { t: brakes, micro: 0, channel: self.channel.at.channel };
         let logged = Logged { wait: self.channel.reports.waits.wait(&wait), since_ns: brakes };
-        self.channel.burden.result(crate::state::burden::RESULT);
+        self.channel.burden.result(counterpoint_channel::burden::RESULT);
         self.channel.emitter.draw_in(brakes);
         self.channel.emitter.emit_during(&self.channel.at, (brakes, 0), Kind::Wait(logged.wait.clone()));
         let SourcePlace { file, line } = self.channel.at.user_place();

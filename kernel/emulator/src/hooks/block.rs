@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro
 //! that asks for it; it is split into words again only if a macro has changed it.
 
-use crate::state::text;
+use counterpoint_channel::text;
 use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ use counterpoint_lang::value::MacroValue;
 use crate::channel::Kernel;
 use crate::channel::hook_points::BlockTreatment;
 use crate::host::block;
-use crate::macros::calls::OutputTask;
 use crate::pipeline::edit;
 use crate::trace::{self, TextStage};
+use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::macros::model::Hook;

@@ -15,13 +15,13 @@ use counterpoint_machine::macros::model::Hook;
 use crate::channel::Kernel;
 use crate::channel::components::Resting;
 use crate::channel::dialect_state::DialectState;
-use crate::state::arc::ArcState;
-use crate::state::context::BlockContext;
-use crate::state::cycle::Cycle;
-use crate::state::modal::{ModalCodes, group};
-use crate::state::position::MotionState;
-use crate::state::thread::ThreadingState;
-use crate::state::turning::TurningState;
+use counterpoint_channel::arc::ArcState;
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::cycle::Cycle;
+use counterpoint_channel::modal::{ModalCodes, group};
+use counterpoint_channel::position::MotionState;
+use counterpoint_channel::thread::ThreadingState;
+use counterpoint_channel::turning::TurningState;
 
 impl Kernel<'_> {
     /// Changes the component, if a macro has requested another one and none is running; none if nothing is to be done.
@@ -142,7 +142,7 @@ impl Kernel<'_> {
     /// Adapts the state to the new definition; the memory of the machine itself stays.
     fn fit_state(&mut self, before: &Machine) {
         let machine = self.channel.env.machine;
-        let old = std::mem::replace(&mut self.channel.state.modal, ModalCodes::new());
+        let old = std::mem::replace(&mut self.channel.state.modal, ModalCodes::empty());
         let fitted = self.channel.state.remembered.fitted(before, machine);
         self.channel.state.remembered = fitted;
         self.initial_codes();

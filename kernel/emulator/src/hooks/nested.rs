@@ -14,10 +14,10 @@ use crate::channel::Kernel;
 use crate::channel::callee::Pending;
 use crate::channel::hook_points::BlockOrigin;
 use crate::host::block;
-use crate::macros::issued::Later;
-use crate::state::burden;
-use crate::state::channel::Acting;
-use crate::state::context::BlockContext;
+use counterpoint_channel::burden;
+use counterpoint_channel::channel_context::Acting;
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::macros::issued::Later;
 
 /// A block that another one within it interrupts.
 struct Outer {

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
 use crate::channel::flow::{ProgramFlow, RunningProgram};
-use crate::macros::calls::OutputTask;
-use crate::macros::parts::Restart;
-use crate::state::probing::Probing;
-use crate::state::thread::ThreadingState;
+use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::macros::parts::Restart;
+use counterpoint_channel::probing::Probing;
+use counterpoint_channel::thread::ThreadingState;
 use counterpoint_control_api::IdentificationAnswer;
 use counterpoint_event::event::{FileId, Kind};
 use counterpoint_fault as diag;
@@ -86,13 +86,15 @@ impl Kernel<'_> {
                 self.channel.state.place.tools.selected,
                 self.channel.state.place.tools.chosen,
             ) = (0, 0, false);
-            (self.channel.state.cycle, self.channel.state.arcs) =
-                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::ArcState::default());
+            (self.channel.state.cycle, self.channel.state.arcs) = (
+                counterpoint_channel::cycle::Cycle::new(self.channel.env.machine),
+                counterpoint_channel::arc::ArcState::default(),
+            );
             self.forget_frame();
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
-                *self.channel.state.others = crate::state::RareState::new(self.channel.env.machine, channel);
+                *self.channel.state.others = counterpoint_channel::RareState::new(self.channel.env.machine, channel);
             }
             (*self.channel.state.threads, *self.channel.state.skip) =
                 (ThreadingState::new(self.channel.env.machine), Probing::default());

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::macros::calls::OutputTask;
-use crate::macros::values::code_value;
-use crate::state::burden::shortened;
+use counterpoint_channel::burden::shortened;
+use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::macros::values::code_value;
 use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -111,6 +111,6 @@ impl Kernel<'_> {
         if id == codes::DISPLY {
             return self.show_display(text);
         }
-        self.store(crate::macros::store::names().comment, || MacroValue::Text(Arc::clone(text)));
+        self.store(counterpoint_channel::macros::store::names().comment, || MacroValue::Text(Arc::clone(text)));
     }
 }

@@ -13,9 +13,9 @@ use counterpoint_lang::vm::{self, MacroEnd, MacroState};
 
 use crate::channel::Kernel;
 use crate::host::variables::positions;
-use crate::macros::calls::{OutputTask, unwinding};
-use crate::macros::runtime::Runtime;
-use crate::macros::store::names;
+use counterpoint_channel::macros::calls::{OutputTask, unwinding};
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::macros::store::names;
 use counterpoint_event::info::Info;
 use counterpoint_machine::macros::model::Macros;
 

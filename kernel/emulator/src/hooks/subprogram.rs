@@ -19,8 +19,8 @@ use counterpoint_program::shape::ProgramRange;
 use crate::channel::Kernel;
 use crate::channel::callee::{Callee, Pending};
 use crate::channel::flow::CallRecord;
-use crate::macros::calls::{OutputTask, TICKS};
-use crate::state::text;
+use counterpoint_channel::macros::calls::{OutputTask, TICKS};
+use counterpoint_channel::text;
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, ProgramRange)>;

@@ -12,7 +12,7 @@ use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
 use crate::channel::data;
-use crate::macros::values::code_value;
+use counterpoint_channel::macros::values::code_value;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::macros::condition::BlockIdentifier;

@@ -12,10 +12,10 @@ use counterpoint_lang::value::MacroValue;
 use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
-use crate::macros::calls::OutputTask;
-use crate::macros::issued::{Later, MOST_QUEUED};
-use crate::macros::store::names;
-use crate::state::burden::shortened;
+use counterpoint_channel::burden::shortened;
+use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::macros::issued::{Later, MOST_QUEUED};
+use counterpoint_channel::macros::store::names;
 use counterpoint_event::event::{Kind, Listing, OperatorMessage};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::CodeId;

@@ -10,9 +10,9 @@ use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::macros::books::operations::operation_name;
-use crate::macros::calls::OutputTask;
-use crate::state::burden::{RESULT, shortened};
+use counterpoint_channel::burden::{RESULT, shortened};
+use counterpoint_channel::macros::books::operations::operation_name;
+use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_event::event::{Diagnostic, DiagnosticOrigin, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;

@@ -5,8 +5,8 @@
 
 use crate::host::rotary;
 use crate::host::variables::positions;
-use crate::state::channel::ChannelContext;
-use crate::state::position::MotionState;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::position::MotionState;
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::value::MacroValue;
@@ -174,7 +174,7 @@ fn chosen(channel: &ChannelContext<'_>, all: &[Angles<AxisSlot>], reached: &[Six
 /// Takes over changed kinematics; nothing moves. `false` if tool tip control could not continue.
 fn change_kinematics(
     channel: &mut ChannelContext<'_>,
-    change: impl FnOnce(&mut crate::state::frames::tip::TipSettings),
+    change: impl FnOnce(&mut counterpoint_channel::frames::tip::TipSettings),
 ) -> bool {
     let before = channel.state.others.tip.clone();
     change(&mut channel.state.others.tip);

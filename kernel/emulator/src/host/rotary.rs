@@ -7,8 +7,8 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
-use crate::state::clamps::Modulo;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::clamps::Modulo;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::AxisSlot;
 

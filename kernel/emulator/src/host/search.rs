@@ -8,7 +8,7 @@ use counterpoint_lang::value::MacroValue;
 use counterpoint_lang::vm::MacroState;
 
 use crate::channel::Kernel;
-use crate::macros::store::names;
+use counterpoint_channel::macros::store::names;
 
 impl Kernel<'_> {
     /// Whether the program has no further block.

@@ -11,7 +11,7 @@ use counterpoint_lang::vm::MacroState;
 use counterpoint_sync::races::AccessMode;
 
 use crate::channel::Kernel;
-use crate::state::burden::shortened;
+use counterpoint_channel::burden::shortened;
 use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_ports::files::Bytes;
 use counterpoint_ports::system::{CommandOutcome, SystemCommand};

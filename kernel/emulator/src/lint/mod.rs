@@ -26,7 +26,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::channel::Kernel;
 use crate::channel::callee::Pending;
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 
 /// Begins an expression or statement of the macro language within a block.
 const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];

@@ -16,7 +16,7 @@ use super::statements::computed;
 use super::{Linter, MOST, Outline};
 use crate::channel::callee::Callee;
 use crate::channel::flow::RunningProgram;
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 
 /// Most calls within each other that are looked through.
 const DEEP: usize = 32;

@@ -5,8 +5,8 @@
 
 use crate::channel::Kernel;
 use crate::pipeline::codes;
-use crate::state::channel::ChannelContext;
-use crate::state::modal::group;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, data};

@@ -5,7 +5,7 @@
 use crate::channel::Kernel;
 use crate::channel::hook_points::BlockOrigin;
 use crate::pipeline::conditions;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_control_api::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -17,8 +17,8 @@ use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
 use counterpoint_program::block::{PendingCode, Word};
 
-use crate::state::channel::Handed;
-use crate::state::modal::group;
+use counterpoint_channel::channel_context::Handed;
+use counterpoint_channel::modal::group;
 
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, lets the codes act, and treats the remaining words.

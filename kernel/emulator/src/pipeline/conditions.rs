@@ -3,7 +3,7 @@
 //! *Invariant:* of the rows of a word the first one that fits acts, and with it those that act beside another (`also`).
 
 use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::Block;

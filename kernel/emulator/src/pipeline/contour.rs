@@ -20,9 +20,9 @@ use counterpoint_program::spot::BlockStart;
 use crate::channel::Kernel;
 use crate::channel::callee::Callee;
 use crate::channel::flow::{CallRecord, RunningProgram};
-use crate::state::at::BlockPlace;
-use crate::state::modal::group;
-use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 
 /// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;

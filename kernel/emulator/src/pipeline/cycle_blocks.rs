@@ -15,7 +15,7 @@ use counterpoint_program::shape::ProgramRange;
 use crate::channel::callee::Pending;
 use crate::channel::flow::CallRecord;
 use crate::channel::{Kernel, cycle_moves};
-use crate::state::text;
+use counterpoint_channel::text;
 
 impl Kernel<'_> {
     /// Executes a resident program that is a cycle of the control; false if the program is ordinary.

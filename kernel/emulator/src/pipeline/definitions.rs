@@ -6,7 +6,7 @@
 //! reported once for each file and channel.
 
 use crate::channel::Kernel;
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;

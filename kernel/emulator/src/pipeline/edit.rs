@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
 use crate::trace;
 use crate::trace::TextStage;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_program::source::ProgramSource;

@@ -15,7 +15,7 @@ use crate::channel::Kernel;
 use crate::channel::callee::{Callee, Pending};
 use crate::channel::custom_macro::CallingWord;
 use crate::channel::flow::RunningProgram;
-use crate::state::figure::CopiedFigure;
+use counterpoint_channel::figure::CopiedFigure;
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.

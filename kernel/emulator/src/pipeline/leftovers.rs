@@ -5,9 +5,9 @@
 use crate::channel::Kernel;
 use crate::channel::refusals;
 use crate::pipeline::beside_motion;
-use crate::state::channel::ChannelContext;
-use crate::state::modal::feed_of;
-use crate::state::modal::group;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::feed_of;
+use counterpoint_channel::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;

@@ -11,8 +11,8 @@ use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::Word;
 
 use crate::channel::Kernel;
-use crate::state::frames::offsets::BASE;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::offset_tables::BASE;
 
 impl Kernel<'_> {
     /// Moves the axis of the tool if a code or a number of the block changes the length and no word moves the axis.

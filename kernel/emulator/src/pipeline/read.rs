@@ -6,7 +6,7 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::state::at::BlockPlace;
+use counterpoint_channel::at::BlockPlace;
 use counterpoint_event::event::{BlockEvent, FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{ProgramTextFormat, RewindStop};

@@ -13,7 +13,7 @@ use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::block::Word;
 
 use crate::channel::Kernel;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 
 impl Kernel<'_> {
     /// Puts a speed that no code of the block takes before the move of the block.

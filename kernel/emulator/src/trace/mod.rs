@@ -14,8 +14,8 @@ pub(crate) use lines::{
 };
 
 use crate::channel::Kernel;
-use crate::state::burden::shortened;
-use crate::state::channel::ChannelContext;
+use counterpoint_channel::burden::shortened;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_event::event::{Kind, Trace};
 use counterpoint_machine::ident::{self, CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::macros::parts::Restart;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::macros::parts::Restart;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::layout;

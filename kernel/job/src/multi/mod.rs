@@ -24,13 +24,13 @@ use stream::EventStream;
 
 use crate::prepared::Job;
 use crate::step::Director;
+use counterpoint_channel::channel_context::RunEnvironment;
+use counterpoint_channel::emitter::{ChunkTarget, Emitter};
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{CarriedState, Lived};
 use counterpoint_emulator::channel::components::PreparedComponent;
 use counterpoint_emulator::channel::parts::{Ports, Setup};
 use counterpoint_emulator::channel::plan::ExecutionPlan;
-use counterpoint_emulator::state::channel::RunEnvironment;
-use counterpoint_emulator::state::emitter::{ChunkTarget, Emitter};
 use counterpoint_event::RunEnd;
 use counterpoint_event::event::{Event, Kind, Phase, SourcePlace};
 use counterpoint_machine::model::Channel;
@@ -297,7 +297,7 @@ impl<'a> Assembly<'a> {
                 };
                 let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
                 if self.job.has_macros() {
-                    thread = thread.stack_size(counterpoint_emulator::macros::STACK);
+                    thread = thread.stack_size(counterpoint_channel::macros::STACK);
                 }
                 match thread.spawn_scoped(scope, work) {
                     Ok(handle) => running.push(handle),

@@ -127,7 +127,7 @@ impl<'a> Assembly<'a> {
         let mut coroutines = Vec::new();
         for (start, feeds) in work {
             let number = start.channel.number;
-            let stack = if self.job.has_macros() { counterpoint_emulator::macros::STACK } else { STACK };
+            let stack = if self.job.has_macros() { counterpoint_channel::macros::STACK } else { STACK };
             let Ok(stack) = DefaultStack::new(stack) else {
                 // The operating system refuses the memory: the job cannot be run and counts as cancelled.
                 self.control.cancel();

@@ -5,7 +5,7 @@
 //! its block, then takes the last one.
 
 use crate::act::ActionContext;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

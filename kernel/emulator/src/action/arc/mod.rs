@@ -27,10 +27,10 @@ use super::time::TimedPath;
 use super::turned;
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::cutter::{MoveShape, ProgrammedMove};
-use crate::state::modal::{Plane, group, plane};
-use crate::state::thread::Screw;
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::cutter::{MoveShape, ProgrammedMove};
+use counterpoint_channel::modal::{Plane, group, plane};
+use counterpoint_channel::thread::Screw;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

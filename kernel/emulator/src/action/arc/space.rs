@@ -15,8 +15,8 @@ use counterpoint_results::geometry::spatial;
 use super::check_radius;
 use crate::act::ActionContext;
 use crate::action::time::TimedPath;
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::modal::group;
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::modal::group;
 
 /// An arc by way of a point.
 pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {

@@ -14,8 +14,8 @@ use counterpoint_motion::contour::tangent::tangent as leads;
 use super::{CircularMove, Flat, active_plane};
 use crate::act::ActionContext;
 use crate::action::turned;
-use crate::state::alarm_effect::STRAIGHT;
-use crate::state::arc::LastMove;
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::arc::LastMove;
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(super) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {

@@ -12,8 +12,8 @@ use counterpoint_motion::contour::element::{Element, Spot, cross, direction, plu
 use super::words::polar;
 use super::{ProgrammedMove, compensated_plane};
 use crate::act::ActionContext;
-use crate::state::corner::OpenLine;
-use crate::state::modal::group;
+use counterpoint_channel::corner::OpenLine;
+use counterpoint_channel::modal::group;
 
 /// Sine of the angle below which lines count as parallel: one degree.
 const PARALLEL: f64 = 0.017_452;
@@ -164,7 +164,7 @@ impl ActionContext<'_, '_> {
         let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
         let scale = self.channel().state.place.layout.axes[axis].scale;
         let slot = position.at_mut(axis);
-        *slot = crate::state::frames::clean(value / scale, *slot);
+        *slot = counterpoint_channel::frames::clean(value / scale, *slot);
     }
 
     /// A line without an end waits for the next one.

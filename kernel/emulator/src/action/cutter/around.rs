@@ -13,7 +13,7 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distanc
 
 use super::{CutterCompensation, ProgrammedMove};
 use crate::act::ActionContext;
-use crate::state::modal::plane;
+use counterpoint_channel::modal::plane;
 
 /// Compensation is that of the frame, and the local frame tilts its plane.
 pub(super) fn frame_tilts(act: &ActionContext<'_, '_>, plane_code: CodeId) -> bool {

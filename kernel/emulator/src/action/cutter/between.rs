@@ -7,7 +7,7 @@
 use super::{corner, smooth};
 use crate::act::ActionContext;
 use crate::action::entry::CompensationEffect;
-use crate::state::cutter::ProgrammedMove;
+use counterpoint_channel::cutter::ProgrammedMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};

@@ -12,8 +12,8 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, plus};
 use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove, compensated_plane};
 use crate::act::ActionContext;
 use crate::action::entry::CompensationEffect;
-use crate::state::corner::{ContourRequest, CornerDirection, CornerRequest};
-use crate::state::modal::group;
+use counterpoint_channel::corner::{ContourRequest, CornerDirection, CornerRequest};
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::ident::{codes, data};
 

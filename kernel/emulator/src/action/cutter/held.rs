@@ -5,7 +5,7 @@
 //! microstep of the move, even if the move took no time because an alarm ended it.
 
 use crate::act::ActionContext;
-use crate::state::cutter::WaitingMove;
+use counterpoint_channel::cutter::WaitingMove;
 use counterpoint_event::event::Event;
 
 /// Shift of the effects that are held back behind the moves made so far.

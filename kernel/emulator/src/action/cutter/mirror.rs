@@ -3,7 +3,7 @@
 //! Invariant: the tool stays on the side of the contour given by the program, in any frame.
 
 use crate::act::ActionContext;
-use crate::state::modal::{group, plane};
+use counterpoint_channel::modal::{group, plane};
 
 /// Whether the local frame shows the active plane from behind: left in the program is then right of the path of the
 /// tool.

@@ -30,10 +30,10 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 use crate::act::ActionContext;
-use crate::state::channel::ChannelContext;
-use crate::state::corner::{ContourRequest, CornerRequest};
-use crate::state::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
-use crate::state::modal::{group, plane};
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::corner::{ContourRequest, CornerRequest};
+use counterpoint_channel::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
+use counterpoint_channel::modal::{group, plane};
 
 /// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;

@@ -21,8 +21,8 @@ use super::held::HeldShift;
 use super::{CutterCompensation, MoveShape, ProgrammedMove};
 use crate::act::ActionContext;
 use crate::action::circular_move::CircularMove;
-use crate::state::arc::LastMove;
-use crate::state::cutter::{CompensationStage, WaitingMove};
+use counterpoint_channel::arc::LastMove;
+use counterpoint_channel::cutter::{CompensationStage, WaitingMove};
 
 impl ActionContext<'_, '_> {
     /// A move as programmed, for circles that continue its direction.
@@ -67,7 +67,7 @@ impl ActionContext<'_, '_> {
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
             let scale = self.channel().state.place.layout.axes[axis].scale;
-            *position.at_mut(axis) = crate::state::frames::clean(value / scale, position.at(axis));
+            *position.at_mut(axis) = counterpoint_channel::frames::clean(value / scale, position.at(axis));
         }
         position
     }

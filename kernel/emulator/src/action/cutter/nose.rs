@@ -21,7 +21,7 @@ const TIPS: [[f64; 2]; 10] = [
 impl ActionContext<'_, '_> {
     /// Radius that paths keep from the contour.
     pub(in crate::action) fn cutter_radius(&self, number: u32) -> f64 {
-        use crate::state::frames::offsets::{BASE, Radii};
+        use counterpoint_channel::offset_tables::{BASE, Radii};
         let channel = self.channel();
         let own = if number == BASE { 0.0 } else { channel.worn_radius(number) };
         let base = if channel.state.place.offsets.is_some() { channel.offset_radius(Radii::Cutter, BASE) } else { 0.0 };

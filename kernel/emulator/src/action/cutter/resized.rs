@@ -7,8 +7,8 @@
 use super::{before, compensated_plane, contour_allowance, no_radius, switched};
 use crate::act::ActionContext;
 use crate::action::entry::CompensationEffect;
-use crate::state::cutter::{CompensationStage, ProgrammedMove};
-use crate::state::modal::group;
+use counterpoint_channel::cutter::{CompensationStage, ProgrammedMove};
+use counterpoint_channel::modal::group;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_motion::contour::corner::Link;

@@ -22,9 +22,9 @@ use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, Wa
 use crate::act::ActionContext;
 use crate::action::circular_move::CircularMove;
 use crate::action::entry::{ActionEntry, CompensationEffect};
-use crate::state::arc::LastMove;
-use crate::state::modal::{feed_of, group, plane};
-use crate::state::smooth::{ApproachForm, ApproachSpeed, Lies, Smooth, ToolHeight};
+use counterpoint_channel::arc::LastMove;
+use counterpoint_channel::modal::{feed_of, group, plane};
+use counterpoint_channel::smooth::{ApproachForm, ApproachSpeed, Lies, Smooth, ToolHeight};
 
 /// Codes with their actions.
 pub(in crate::action) const ENTRIES: &[ActionEntry] = &[

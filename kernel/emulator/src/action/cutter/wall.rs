@@ -8,7 +8,7 @@
 
 use super::compensated_plane;
 use crate::act::ActionContext;
-use crate::state::modal::{group, plane};
+use counterpoint_channel::modal::{group, plane};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{AxisSlot, BySlot};

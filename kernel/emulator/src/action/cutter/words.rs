@@ -9,7 +9,7 @@ use counterpoint_motion::contour::blend::CornerBlend;
 
 use super::corner;
 use crate::act::ActionContext;
-use crate::state::corner::{ContourRequest, CornerDirection, CornerRequest};
+use counterpoint_channel::corner::{ContourRequest, CornerDirection, CornerRequest};
 
 /// Whether a move has words of corners or angles in its block.
 #[inline(always)]

@@ -11,8 +11,8 @@ mod words;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::cycle::CycleHole;
-use crate::state::modal::group;
+use counterpoint_channel::cycle::CycleHole;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::Kind as EventKind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

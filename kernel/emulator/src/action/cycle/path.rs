@@ -5,8 +5,8 @@
 
 use crate::act::ActionContext;
 use crate::action::{dwell, spindle};
-use crate::state::cycle::Cycle;
-use crate::state::cycle::CycleHole;
+use counterpoint_channel::cycle::Cycle;
+use counterpoint_channel::cycle::CycleHole;
 use counterpoint_event::event::{Position, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

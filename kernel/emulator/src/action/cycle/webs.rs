@@ -5,7 +5,7 @@
 //! cycle. *Invariant:* a web has a start and a depth, or it is left out and reported.
 
 use crate::act::ActionContext;
-use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
+use counterpoint_channel::cycle::{Cycle, FURTHER_WEBS, Height};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, data};

@@ -4,8 +4,8 @@
 //! control-emulator.md 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
 use crate::act::ActionContext;
-use crate::state::cycle::Height;
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::cycle::Height;
+use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::dimension::Dimension;

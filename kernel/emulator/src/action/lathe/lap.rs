@@ -7,7 +7,7 @@ use counterpoint_motion::turning::lap::{DepthChange, LapSettings};
 use counterpoint_motion::turning::rough;
 
 use crate::act::ActionContext;
-use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane};
+use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

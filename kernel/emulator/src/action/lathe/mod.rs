@@ -22,7 +22,7 @@ use counterpoint_motion::turning::{ContourError, ProgrammedContour, pattern, pec
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
+use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;

@@ -11,8 +11,8 @@ use counterpoint_motion::turning::{CycleMove, MoveSink};
 use crate::act::ActionContext;
 use crate::action::circular_move::CircularMove;
 use crate::action::{cutter, dwell, turned};
-use crate::state::modal::plane;
-use crate::state::turning::LathePlane;
+use counterpoint_channel::modal::plane;
+use counterpoint_channel::turning::LathePlane;
 
 /// A cycle that is being cut.
 pub(super) struct Cutting<'x, 'k, 'a> {

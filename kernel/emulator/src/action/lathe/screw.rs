@@ -17,8 +17,8 @@ use super::moves::{Cutting, round};
 use crate::act::ActionContext;
 use crate::action::circular_move::CircularMove;
 use crate::action::cutter;
-use crate::state::thread::Screw;
-use crate::state::turning::LathePlane;
+use counterpoint_channel::thread::Screw;
+use counterpoint_channel::turning::LathePlane;
 
 /// One more pass.
 pub(super) fn pass(act: &mut ActionContext<'_, '_>) {

@@ -7,7 +7,7 @@ use counterpoint_motion::turning::strip::{Removal, Strip, StripError};
 
 use super::moves::Cutting;
 use crate::act::ActionContext;
-use crate::state::turning::RecordedContour;
+use counterpoint_channel::turning::RecordedContour;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 

@@ -7,7 +7,7 @@ use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::turning::rough;
 
 use crate::act::ActionContext;
-use crate::state::turning::LathePlane;
+use counterpoint_channel::turning::LathePlane;
 use counterpoint_machine::ident::{DataId, data};
 
 /// Largest sequence number.

@@ -20,9 +20,9 @@ use counterpoint_program::block::PendingCode;
 
 use crate::act::ActionContext;
 use crate::action::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::state::alarm_effect::NOT_DONE;
-use crate::state::spindle::{SpindleRotation, stopped};
-use crate::state::thread::Screw;
+use counterpoint_channel::alarm_effect::NOT_DONE;
+use counterpoint_channel::spindle::{SpindleRotation, stopped};
+use counterpoint_channel::thread::Screw;
 
 /// Rates with a smaller difference are equal: a rapid move has exactly the rate.
 pub(in crate::action) const EVEN: f64 = 1.0 + 1e-6;

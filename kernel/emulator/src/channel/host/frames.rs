@@ -7,10 +7,10 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
-use crate::state::channel_axis::ChannelAxis;
-use crate::state::frames::offsets::{OffsetTable, Radii};
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::{feed_of, group};
+use counterpoint_channel::offset_tables::{OffsetTable, Radii};
 
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.

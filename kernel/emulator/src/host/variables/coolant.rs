@@ -9,8 +9,8 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::state::coolant::code_of;
-use crate::state::modal::group;
+use counterpoint_channel::coolant::code_of;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{Coolant, Outlet};
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::coolant::CoolantTarget;

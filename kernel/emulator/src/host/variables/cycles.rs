@@ -8,8 +8,8 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::state::cycle::{Cycle, Height};
-use crate::state::modal::group;
+use counterpoint_channel::cycle::{Cycle, Height};
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;

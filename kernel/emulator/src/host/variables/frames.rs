@@ -11,7 +11,7 @@ use counterpoint_motion::frame::local::FrameError;
 
 use super::{Read, Write, positions};
 use crate::channel::Kernel;
-use crate::state::frame_transforms::FrameTransforms;
+use counterpoint_channel::frame_transforms::FrameTransforms;
 
 fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&FrameTransforms) -> T) -> Option<T> {
     kernel.channel.state.place.frames.as_deref().map(of)

@@ -10,7 +10,7 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::macros::store::names;
+use counterpoint_channel::macros::store::names;
 
 /// Characters of a kernel's name in diagnostics.
 const MOST_NAME: usize = 80;

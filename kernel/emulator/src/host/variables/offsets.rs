@@ -11,11 +11,11 @@ use counterpoint_lang::value::MacroValue;
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::host::variables::positions;
-use crate::state::channel::ChannelContext;
-use crate::state::compensation::number_of;
-use crate::state::frames::offsets::{BASE, OffsetTable, Radii};
-use crate::state::frames::shift::DIAMETERS;
-use crate::state::modal::group;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::compensation::number_of;
+use counterpoint_channel::frames::shift::DIAMETERS;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::offset_tables::{BASE, OffsetTable, Radii};
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 

@@ -4,8 +4,8 @@
 //! degrees on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
-use crate::state::channel::ChannelContext;
-use crate::state::position::MotionState;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::position::MotionState;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};

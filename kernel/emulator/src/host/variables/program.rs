@@ -1,6 +1,6 @@
 //! Variables of the program, the subprograms, diagnostics and the definition.
 
-use crate::state::text;
+use counterpoint_channel::text;
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::value::MacroValue;
@@ -8,8 +8,8 @@ use counterpoint_lang::value::MacroValue;
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::channel::unit_switch::switch_unit;
-use crate::macros::store::SystemVariableStore;
-use crate::macros::values::code_value;
+use counterpoint_channel::macros::store::SystemVariableStore;
+use counterpoint_channel::macros::values::code_value;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::codes;

@@ -9,7 +9,7 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::SpindleDirection;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::ident::codes;

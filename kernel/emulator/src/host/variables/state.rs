@@ -6,11 +6,11 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write, positions};
 use crate::channel::Kernel;
-use crate::macros::books::operations::set_operation_value;
-use crate::macros::books::travel::RangeEnd;
-use crate::macros::runtime::Runtime;
-use crate::macros::store::names;
-use crate::state::modal::{feed_of, group};
+use counterpoint_channel::macros::books::operations::set_operation_value;
+use counterpoint_channel::macros::books::travel::RangeEnd;
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::macros::store::names;
+use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::ident::{CodeId, codes};
 

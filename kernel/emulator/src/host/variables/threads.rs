@@ -8,8 +8,8 @@ use counterpoint_lang::value::MacroValue;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::state::modal::group;
-use crate::state::thread::Threading;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::thread::Threading;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::ThreadCycle;
 use counterpoint_machine::ident::{CodeId, DataId, data};

@@ -7,7 +7,7 @@
 use super::{Thread, ThreadCycle};
 use crate::act::ActionContext;
 use crate::action::thread::Screw;
-use crate::state::modal::group;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
