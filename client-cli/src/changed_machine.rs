@@ -24,6 +24,9 @@ const CHANGED: &str = "-set";
 /// Suffix of the name of a machine whose channels share the variables of a setting.
 const SHARES: &str = "-shared";
 
+/// Suffix of the name of a machine with the stops of a setting.
+const STOPS: &str = "-stops";
+
 /// End of the name of a machine that has the tools of a run.
 const TOOLS: &str = "-tools";
 
@@ -148,7 +151,13 @@ fn extended(
         _ => None,
     });
     let shares: Vec<(u32, u32)> = shares.collect();
-    if control.is_empty() && shares.is_empty() && begins.unit.is_none() {
+    let stops = settings.iter().filter_map(|setting| match setting {
+        MachineSetting::Stop(axis, at) => Some((axis.as_str(), *at)),
+        _ => None,
+    });
+    // The last setting of an axis counts.
+    let stops: std::collections::BTreeMap<&str, f64> = stops.collect();
+    if control.is_empty() && shares.is_empty() && stops.is_empty() && begins.unit.is_none() {
         return (name, files);
     }
     let mut changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
@@ -167,6 +176,11 @@ fn extended(
     if !shares.is_empty() {
         changed.push_str(SHARES);
         text.push_str(&sharing(&files, &name, &shares));
+    }
+    if !stops.is_empty() {
+        changed.push_str(STOPS);
+        text.push_str("[stops.at]\n");
+        text.extend(stops.iter().map(|(axis, at)| format!("{axis} = {at:?}\n")));
     }
     for (index, component) in components.iter().enumerate() {
         let own = of_control(&system.filter(|_| lathes.contains(component)));

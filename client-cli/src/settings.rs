@@ -10,7 +10,8 @@ use counterpoint_kernel::log::info::MachineUnit;
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
                     without a decimal point count least increments), units=mm or inch (unit in which programs begin), \
                     system=A, B or C (G-code system of a lathe), \
-                    shared=FIRST-LAST (common variables that all channels share, for example shared=500-549) and \
+                    shared=FIRST-LAST (common variables that all channels share, for example shared=500-549), \
+                    stop.AXIS=POSITION (where an axis meets a part or a stop, for example stop.B=-408) and \
                     warn.NUMBER=off or on (a warning by its number or word)";
 
 /// Highest number of a common variable.
@@ -20,7 +21,7 @@ const HIGHEST_VARIABLE: u32 = 999_999;
 const HIGHEST: u32 = 99_999_999;
 
 /// One datum of the machine.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum MachineSetting {
     /// M codes that are waiting codes.
     Waits(RangeInclusive<u32>),
@@ -32,6 +33,8 @@ pub(crate) enum MachineSetting {
     System(char),
     /// Common variables that all channels share.
     Shared(u32, u32),
+    /// Where an axis meets a part or a stop, by the name of the axis.
+    Stop(String, f64),
     /// A warning by its number, switched off or on.
     Warning(u32, bool),
 }
@@ -40,7 +43,7 @@ impl MachineSetting {
     /// The line of `[control]` for this setting, and the suffix of the machine's name.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
-            Self::Waits(_) | Self::Units(_) | Self::Shared(..) | Self::Warning(..) => None,
+            Self::Waits(_) | Self::Units(_) | Self::Shared(..) | Self::Stop(..) | Self::Warning(..) => None,
             Self::Increments => Some(("numbers = \"increments\"".to_owned(), "-inc".to_owned())),
             Self::System(letter) => {
                 Some((format!("system = \"{letter}\""), format!("-{}", letter.to_ascii_lowercase())))
@@ -96,11 +99,23 @@ impl FromStr for MachineSetting {
                 "C" | "c" => Ok(Self::System('C')),
                 other => Err(format!("'{other}' is not a G-code system: give {KEYS}")),
             },
-            other => match other.strip_prefix("warn.") {
-                Some(warning) => self::warning(warning.trim(), value.trim()),
-                None => Err(format!("no such key '{other}': the keys are {KEYS}")),
+            other => match other.split_once('.') {
+                Some(("warn", warning)) => self::warning(warning.trim(), value.trim()),
+                Some(("stop", axis)) => stop(axis.trim(), value.trim()),
+                _ => Err(format!("no such key '{other}': the keys are {KEYS}")),
             },
         }
+    }
+}
+
+/// `stop.B=-408`.
+fn stop(axis: &str, value: &str) -> Result<MachineSetting, String> {
+    if axis.is_empty() || !axis.chars().all(|c| c.is_ascii_alphanumeric()) {
+        return Err(format!("'{axis}' is not the name of an axis: give stop.AXIS=POSITION, for example stop.B=-408"));
+    }
+    match value.parse::<f64>() {
+        Ok(at) if at.is_finite() => Ok(MachineSetting::Stop(axis.to_owned(), at)),
+        _ => Err(format!("'{value}' is not the position of a stop: give stop.AXIS=POSITION, for example stop.B=-408")),
     }
 }
 
@@ -157,6 +172,7 @@ mod tests {
         assert_eq!("units=mm".parse(), Ok(MachineSetting::Units(MachineUnit::Mm)));
         assert_eq!("system=b".parse(), Ok(MachineSetting::System('B')));
         assert_eq!("shared=500-549".parse(), Ok(MachineSetting::Shared(500, 549)));
+        assert_eq!("stop.B2=-408.5".parse(), Ok(MachineSetting::Stop("B2".to_owned(), -408.5)));
         assert_eq!("shared=#100-#100".parse(), Ok(MachineSetting::Shared(100, 100)));
         assert_eq!(waits(&[MachineSetting::Waits(900..=999), MachineSetting::Increments]), Some(900..=999));
         assert_eq!("warn.2900680=off".parse(), Ok(MachineSetting::Warning(2_900_680, false)));
@@ -169,6 +185,8 @@ mod tests {
             ("waits=900", "'900' is not a range"),
             ("waits=999-900", "is not a range"),
             ("waits=0-9", "is not a range"),
+            ("stop.=1", "is not the name of an axis"),
+            ("stop.B=near", "is not the position of a stop"),
             ("shared=33-120", "is not a range of common variables"),
             ("shared=500", "is not a range of common variables"),
             ("shared=600-500", "is not a range of common variables"),

@@ -104,7 +104,8 @@ pub(crate) struct On {
     /// Set a datum of the machine for this run; can be repeated: `waits=900-999`, the M codes that are waiting codes;
     /// `numbers=increments`, coordinates without a decimal point count least increments; `units=inch`, the unit in
     /// which programs begin (inch or mm); `system=B`, the G-code system of a lathe (A, B or C); `shared=500-549`,
-    /// common variables that all channels share; `warn.2900680=off`, a warning by number or word, off or on
+    /// common variables that all channels share; `stop.B=-408`, where an axis meets a part or a stop;
+    /// `warn.2900680=off`, a warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<MachineSetting>,
     /// Read tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file

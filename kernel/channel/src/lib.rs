@@ -23,6 +23,7 @@ pub mod cycle;
 pub mod emitter;
 pub mod feed_group;
 pub mod figure;
+pub mod fixed_stops;
 pub mod frame_transforms;
 pub mod frames;
 pub mod macros;
@@ -185,6 +186,10 @@ impl RareState {
     /// Whether each move must be checked.
     #[inline(always)]
     pub fn attends(&self) -> bool {
-        self.balance.is_some() | self.beside.is_some() | self.area.is_some() | self.spindles.chucks
+        self.balance.is_some()
+            | self.beside.is_some()
+            | self.area.is_some()
+            | self.spindles.chucks
+            | self.spindles.fixed_stops.any()
     }
 }

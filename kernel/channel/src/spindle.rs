@@ -4,6 +4,7 @@
 
 use super::at::nanoseconds;
 use super::channel_context::ChannelContext;
+use super::fixed_stops::FixedStops;
 use super::modal::group;
 use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::SurfaceSpeed;
@@ -145,6 +146,8 @@ pub struct Spindles {
     pub waiting: Option<f64>,
     /// The machine knows the chucks of two spindles.
     pub chucks: bool,
+    /// Moves against a stop, as of the sub-spindle against the part.
+    pub fixed_stops: FixedStops,
 }
 
 impl Spindles {
@@ -160,6 +163,7 @@ impl Spindles {
             driver: None,
             waiting: None,
             chucks: machine.chucks().is_some(),
+            fixed_stops: FixedStops::default(),
         }
     }
 }

@@ -273,6 +273,17 @@ pub struct ReferencePoints {
     /// How far one-way positioning goes past its end before it comes back; its sign is the direction in which it comes.
     /// 0 = not.
     pub one_way: f64,
+    /// Where the axis meets a part or a stop.
+    pub stop: FixedStop,
+}
+
+/// Where an axis meets a part or a stop, in the machine frame, as programmed. Without both it is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FixedStop {
+    /// The position.
+    pub at: Option<f64>,
+    /// Number of a variable whose value takes precedence.
+    pub variable: Option<u32>,
 }
 
 /// An axis in codes that couple axes of channels (Fanuc G51.4, G51.5, G51.6).

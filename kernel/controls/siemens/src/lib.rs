@@ -29,6 +29,7 @@ mod drilling;
 mod evaluate;
 mod expression;
 mod files;
+mod fixed_stop;
 mod frame;
 mod frame_component;
 mod frames;

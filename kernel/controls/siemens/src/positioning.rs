@@ -39,6 +39,9 @@ impl Siemens {
         if name.name == "FGREF" {
             return self.feed_radius(host, name, value);
         }
+        if name.name.starts_with("FXS") {
+            return super::fixed_stop::assign(self, host, name, value);
+        }
         if LIMITS.contains(&name.name.as_str()) && host.is_code_text(ARRIVE) {
             return self.limit(host, name, value);
         }

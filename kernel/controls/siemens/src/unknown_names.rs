@@ -16,9 +16,6 @@ pub(super) fn lacks(host: &dyn ProgramHost, asked: &str) -> Option<String> {
 /// The missing emulation that a word would need, and an alternative.
 pub(super) fn limit(name: &str) -> Option<&'static str> {
     Some(match name {
-        "FXS" | "FXST" | "FXSW" => {
-            "travel to a fixed stop is not emulated; move the axis to the place of the stop by G1 in a run without the part"
-        }
         "MEAS" | "MEAW" | "MEASA" | "MEAWA" | "MEAC" => {
             "measuring is not emulated; write the measured values into the variables that the program reads, and skip the block"
         }

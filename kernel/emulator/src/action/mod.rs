@@ -22,6 +22,7 @@ pub(crate) mod entry;
 mod execute;
 mod feeds;
 mod figure;
+mod fixed_stop;
 mod frame;
 mod head;
 mod home;
@@ -81,6 +82,7 @@ static ENTRIES: &[&[ActionEntry]] = &[
     dwell::ENTRIES,
     feeds::ENTRIES,
     figure::ENTRIES,
+    fixed_stop::ENTRIES,
     frame::ENTRIES,
     head::ENTRIES,
     home::ENTRIES,
@@ -151,6 +153,7 @@ const BASE: ActionTable = ActionTable {
         back: |kernel, to| lathe::go_back(&mut ActionContext::new(kernel), to),
         along: |kernel, rapid, coded, to| motion::go_straight(&mut ActionContext::new(kernel), rapid, coded, to),
         change: |kernel, motion, rapid, to| ActionContext::new(kernel).straight_again(motion, rapid, to),
+        shorten: |kernel, long, to| motion::straight_to(&mut ActionContext::new(kernel), long, false, to),
     },
 };
 

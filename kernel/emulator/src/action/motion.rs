@@ -9,7 +9,7 @@ use counterpoint_channel::cutter::{MoveShape, ProgrammedMove};
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::RetrievedValue;
@@ -387,30 +387,41 @@ impl ActionContext<'_, '_> {
 
     /// A straight move that a macro has changed: made again from its start.
     pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
-        let from = self.channel().state.place.position;
-        let changes = self.channel().state.place.changes(&from, &to);
-        let length = self.tool_path(&changes);
-        let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
-        let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);
-        if rapid {
-            let seconds = self.rapid_seconds(&from, &to);
-            let feed = (0.0, FeedUnit::Rapid);
-            return self.move_to(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, to], feed, length));
-        }
-        let (feed, unit) = match motion.kind {
-            MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
-            _ => self.feed(),
-        };
-        let changes = self.channel().feed_changes(&from, &to);
-        let feed_length = self.channel().feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
-        let path = TimedPath { from: &from, to: &to, length: feed_length, arc: None };
-        let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.channel().state.place.frames.is_some() {
-            seconds = self.at_rates(seconds, &from, &to, None);
-        }
-        seconds = self.channel().seconds_of_group(seconds, &changes);
-        let length = self.feed_path(&changes, feed_length);
-        let feed = (feed.unwrap_or(0.0), unit);
-        self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))
+        let (seconds, motion) = straight_to(self, motion, rapid, to)?;
+        self.move_to(seconds, &motion)
     }
+}
+
+/// A straight move with a new end, at rapid or at feed: its time in seconds, and the move.
+pub(super) fn straight_to(
+    act: &mut ActionContext<'_, '_>,
+    motion: &Motion,
+    rapid: bool,
+    to: Position,
+) -> Result<(f64, Motion), Halt> {
+    let from = act.channel().state.place.position;
+    let changes = act.channel().state.place.changes(&from, &to);
+    let length = act.tool_path(&changes);
+    let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
+    let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);
+    if rapid {
+        let seconds = act.rapid_seconds(&from, &to);
+        let feed = (0.0, FeedUnit::Rapid);
+        return Ok((seconds, Motion::straight(MotionKind::Rapid, coded, [from, to], feed, length)));
+    }
+    let (feed, unit) = match motion.kind {
+        MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
+        _ => act.feed(),
+    };
+    let changes = act.channel().feed_changes(&from, &to);
+    let feed_length = act.channel().feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
+    let path = TimedPath { from: &from, to: &to, length: feed_length, arc: None };
+    let mut seconds = act.feed_seconds(&path, feed, unit)?;
+    if act.channel().state.place.frames.is_some() {
+        seconds = act.at_rates(seconds, &from, &to, None);
+    }
+    seconds = act.channel().seconds_of_group(seconds, &changes);
+    let length = act.feed_path(&changes, feed_length);
+    let feed = (feed.unwrap_or(0.0), unit);
+    Ok((seconds, Motion::straight(MotionKind::Linear, coded, [from, to], feed, length)))
 }

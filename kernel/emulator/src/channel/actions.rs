@@ -31,6 +31,9 @@ pub(crate) enum CompensationChange {
     Number,
 }
 
+/// Gives a straight feed move a new end: its time in seconds, and the move.
+type ShortenMove = fn(&mut Kernel<'_>, &Motion, Position) -> Result<(f64, Motion), Halt>;
+
 /// Straight moves that no code makes.
 #[derive(Debug)]
 pub(crate) struct StraightMoves {
@@ -40,6 +43,8 @@ pub(crate) struct StraightMoves {
     pub(crate) along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
     /// Repeats a straight move that a macro has changed: at rapid or at feed, to a new end.
     pub(crate) change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
+    /// A straight feed move with a new end: its time in seconds, and the move.
+    pub(crate) shorten: ShortenMove,
 }
 
 /// The built-in actions: those of codes, and those that other stages of the pipeline need.

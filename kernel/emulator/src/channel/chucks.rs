@@ -173,8 +173,18 @@ fn slide(kernel: &Kernel<'_>, motion: &Motion) -> Option<(AxisSlot, [f64; 2], f6
     (motion.from.at(slot) != motion.to.at(slot)).then_some((slot, places, machine.axes[slide].home))
 }
 
+/// Executes a motion that the chucks of the machine allow.
+pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> Acted {
+    if !kernel.channel.state.others.spindles.chucks {
+        return kernel.begin_travel(seconds, motion);
+    }
+    before_move(kernel, motion)?;
+    kernel.begin_travel(seconds, motion)?;
+    after_move(kernel, motion)
+}
+
 /// Refuses a move of a sub-spindle that the chucks do not allow.
-pub(super) fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
+fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     let Some((slot, [from, to], home)) = slide(kernel, motion) else { return Ok(()) };
     let Some(chucks) = known(kernel)? else { return Ok(()) };
     let axis = kernel.channel.axis_name(slot);
@@ -200,7 +210,7 @@ pub(super) fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
 
 /// Records whether the sub-spindle is away from home. A cut that ends at the turning axis cuts off a part that both
 /// chucks hold.
-pub(super) fn after_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
+fn after_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     if let Some((_, [_, to], home)) = slide(kernel, motion) {
         let away = (to - home).abs() > RELIEF;
         change(kernel, |chucks| chucks.away = away)?;

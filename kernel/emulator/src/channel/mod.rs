@@ -25,6 +25,7 @@ mod diagnostics;
 pub(crate) mod dialect_state;
 mod driven_spindle;
 mod exchange;
+mod fixed_stops;
 pub(crate) mod flow;
 mod frame;
 pub(crate) mod hook_points;

@@ -7,7 +7,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
-use crate::channel::{chucks, exchange};
+use crate::channel::{chucks, exchange, fixed_stops};
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
@@ -26,7 +26,7 @@ impl Kernel<'_> {
     }
 
     #[inline(always)]
-    fn begin_travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+    pub(super) fn begin_travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.check_travel_before(motion)?;
         if self.plan.rules.overlaps {
             self.end_before_feed(motion.kind);
@@ -56,12 +56,10 @@ impl Kernel<'_> {
             self.check_travel_before(motion)?;
             self.pair_cut(motion.kind)?;
         }
-        if self.channel.state.others.spindles.chucks {
-            chucks::before_move(self, motion)?;
-            self.begin_travel(seconds, motion)?;
-            return chucks::after_move(self, motion);
+        if self.channel.state.others.spindles.fixed_stops.any() {
+            return fixed_stops::travel(self, seconds, motion);
         }
-        self.begin_travel(seconds, motion)
+        chucks::travel(self, seconds, motion)
     }
 
     /// Two channels that cut in balance begin the cuts of their blocks together; rapid moves are free.

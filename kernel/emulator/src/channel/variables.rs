@@ -9,6 +9,7 @@ use super::Kernel;
 use super::access::Door;
 use super::system_variables::SystemValues;
 use counterpoint_control_api::{CallStack, NotThere, VACANT, is_vacant};
+use counterpoint_fault::Halt;
 use counterpoint_machine::model::ProgramVariables;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::separate::SeparateVariableUses;
@@ -137,6 +138,15 @@ fn print(index: u32, value: f64) -> u64 {
 
 pub(super) fn within(ranges: &[(u32, u32)], index: u32) -> bool {
     ranges.iter().any(|&(low, high)| (low..=high).contains(&index))
+}
+
+/// Value of a numbered variable, if the machine has the variable and it is not vacant.
+pub(super) fn value_of_variable(kernel: &mut Kernel<'_>, index: u32) -> Result<Option<f64>, Halt> {
+    match kernel.value_of(index) {
+        Ok(value) => Ok((!is_vacant(value)).then_some(value)),
+        Err(NotThere::Halt(halt)) => Err(halt),
+        Err(_) => Ok(None),
+    }
 }
 
 impl Kernel<'_> {

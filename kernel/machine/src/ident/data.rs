@@ -359,4 +359,8 @@ data! {
     COUPLE_SPINDLE_FOLLOWER true true Plain, None => "number of the spindle that follows (Siemens COUPON)";
     COUPLE_SPINDLE_RATIO true true Plain, None => "its revolutions per revolution of the other one (Siemens COUPDEF)";
     COUPLE_SPINDLE_ANGLE true true Plain, Angle => "phase of a spindle to the spindle that it follows (Haas G199 R)";
+    FIXED_STOP_APPROACH true true Plain, Length => "distance from the end at which a rapid approach to a fixed stop ends (Okuma G22 D)";
+    FIXED_STOP_OVERTRAVEL true true Plain, Length => "distance beyond the end within which the stop must be met (Okuma G22 L)";
+    FIXED_STOP_FORCE true true Plain, None => "torque or force at a fixed stop, without effect (Okuma G22 PW)";
+    FIXED_STOP_CHECK true true Plain, None => "reaction to a fixed stop, without effect (Mori G38 Q)";
 }

@@ -132,6 +132,9 @@ macro_rules! with_own {
             CHUCK_SUB_OPEN 0 300 true true Plain => ": the chuck of the sub-spindle opens (Doosan M169)";
             CHUCK_SUB_CLOSE 0 300 true true Plain => ": the chuck of the sub-spindle closes (Doosan M168)";
             PART_CUT_OFF 0 300 true true Plain => ": the part is cut off from the bar (check of the cut-off, Doosan G350)";
+            FIXED_STOP_MOVE 0 450 true true Plain => ": feed move that ends at a fixed stop (Okuma G22)";
+            FIXED_STOP_ON 0 100 true true Plain => ": feed moves of slides end at a fixed stop (Doosan M86)";
+            FIXED_STOP_OFF 0 699 true true Plain => ": ends that (Doosan M87)";
         }
     };
 }

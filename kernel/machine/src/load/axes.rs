@@ -6,7 +6,7 @@ use super::defaults;
 use super::names::NameRegistry;
 use crate::ident::{self, DataId};
 use crate::index::{AxisId, IdTable};
-use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, ReferencePoints, RotaryPositioning};
+use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, FixedStop, ReferencePoints, RotaryPositioning};
 use crate::rows::DataRow;
 use crate::toml::section::TableReader;
 
@@ -147,6 +147,7 @@ fn positioning(row: &mut TableReader<'_>) -> ReferencePoints {
         references: [points.next(), points.next(), points.next()],
         floating: row.number("floating"),
         one_way: row.number("one_way").unwrap_or(0.0),
+        stop: FixedStop::default(),
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
     axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, external, format,
     habits, head, idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
-use super::{signs, spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
+use super::{signs, spindles, stops, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
 use crate::index::IdTable;
 use crate::model::{Machine, MachineKind};
@@ -44,7 +44,8 @@ pub(super) fn machine(
     let registers = registers::read(&mut top, check);
     let mut names = NameRegistry { check, registers, codes: ident::code_names(), data: ident::data_names() };
     let mut data = data::read(&mut top, &mut names, head.unit);
-    let axes = axes::read(&mut top, &names, &data);
+    let mut axes = axes::read(&mut top, &names, &data);
+    stops::read(&mut top, &mut axes, check);
     let spindles = spindles::read(&mut top, &axes, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
     let components = components::read(&mut top, head.kind, &channels, check);

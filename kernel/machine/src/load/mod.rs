@@ -39,6 +39,7 @@ mod registers;
 mod row_name;
 mod signs;
 mod spindles;
+mod stops;
 mod storage;
 mod subprograms;
 mod sync;

@@ -230,6 +230,8 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
         "references": axis.positioning.references,
         "floating": axis.positioning.floating,
         "one_way": axis.positioning.one_way,
+        "stop": axis.positioning.stop.at,
+        "stop_variable": axis.positioning.stop.variable,
         "limits": axis.limits,
     })
 }

@@ -177,6 +177,13 @@ impl FrameHost for Kernel<'_> {
         self.channel.go_beside(axis, to, feed.map(|feed| feed * factor));
     }
 
+    fn meet_fixed_stop(&mut self, letter: &str, meets: bool) -> bool {
+        let Some(axis) = slot_of(&self.channel, letter) else { return false };
+        let named = &mut self.channel.state.others.spindles.fixed_stops.named;
+        *named = if meets { *named | axis.bit() } else { *named & !axis.bit() };
+        true
+    }
+
     fn count_feed(&mut self, letters: &[String]) {
         let axes: Vec<AxisSlot> = letters.iter().filter_map(|letter| slot_of(&self.channel, letter)).collect();
         self.channel.set_feed_group(&axes);

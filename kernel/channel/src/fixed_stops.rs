@@ -1,0 +1,23 @@
+//! Which moves of a channel end at fixed stops.
+//!
+//! *Invariant:* bits of axes are those of the channel; `once` is empty between blocks.
+
+/// The axes whose feed moves end at a stop.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FixedStops {
+    /// Slides and axes with a known stop, while they move away from home.
+    pub modal: bool,
+    /// Axes of the current move.
+    pub once: u8,
+    /// Axes that the program has named.
+    pub named: u8,
+}
+
+impl FixedStops {
+    /// Whether a move may end at a stop.
+    #[inline(always)]
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.modal | (self.once | self.named != 0)
+    }
+}
