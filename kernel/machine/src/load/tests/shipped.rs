@@ -40,6 +40,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill",
             "fanuc-mill-4axis",
             "fanuc-mill-5axis",
+            "fanuc-swiss-goodway",
             "fanuc-swiss-hanwha",
             "fanuc-twin-spindle",
             "grbl-router",
@@ -76,6 +77,7 @@ fn families_say_that_they_are_families_and_nothing_else() {
     for name in [
         "fanuc-common",
         "fanuc-turning",
+        "fanuc-swiss",
         "fanuc-milling",
         "haas-milling",
         "haas-turning",
