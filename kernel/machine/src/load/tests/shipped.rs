@@ -59,6 +59,7 @@ fn all_machines_load_without_a_finding() {
             "mitsubishi-mill",
             "okuma-2turret",
             "okuma-lathe",
+            "okuma-lathe-subspindle",
             "okuma-mill",
             "siemens-2channel",
             "siemens-lathe",
