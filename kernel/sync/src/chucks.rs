@@ -22,7 +22,7 @@ pub struct Chuck {
 }
 
 /// The chucks of the main spindle and of the sub-spindle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChuckPair {
     /// Chuck of the main spindle.
     pub main: Chuck,
@@ -32,6 +32,8 @@ pub struct ChuckPair {
     pub joined: bool,
     /// The sub-spindle is away from its home position, so that its chuck can meet the part.
     pub away: bool,
+    /// How far the sub-spindle has moved while both chucks were closed on the piece, geometry units.
+    pub relief: f64,
 }
 
 /// The effect of an opened or closed chuck on the piece.
@@ -73,6 +75,9 @@ impl ChuckPair {
     /// Closes a chuck; a closed chuck does not change. An empty main chuck closes on a newly loaded part.
     pub fn close(&mut self, sub: bool) -> ChuckEffect {
         let joins = self.would_join(sub);
+        if self.would_hold_twice(sub) {
+            self.relief = 0.0;
+        }
         if sub {
             self.sub.open = false;
         } else {

@@ -42,7 +42,8 @@ impl SpindleCoupling {
             ..course
         });
         let (command, now) = (self.command(&leader.command), leader.now * times);
-        SharedSpindle { command, now, course, coupling: own.coupling, ceiling: own.ceiling, ..*leader }
+        let settled = leader.settled.max(own.settled);
+        SharedSpindle { command, now, course, coupling: own.coupling, ceiling: own.ceiling, settled, ..*leader }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Facts: reference shop-machines.md 12 (part transfer, word by word). Decisions: there is no model of the part, so a
 //! sub-chuck that closes away from home closes on the part. A feed move that ends at the turning axis cuts off a part
-//! that both chucks hold. The sub-spindle may relieve such a part by up to 1 mm. *Invariant:* a refused code or move
+//! that both chucks hold. The sub-spindle may relieve such a part by up to 1 mm in all. A
+//! spindle that still runs up or down has not reached the speed of its command. *Invariant:* a refused code or move
 //! changes neither a position nor a chuck.
 
 use counterpoint_event::event::{Kind, Motion, MotionKind};
@@ -18,9 +19,9 @@ use counterpoint_sync::races::AccessMode;
 use super::Kernel;
 use super::access::Door;
 use super::actions::Action;
-use super::paired_spindles::{phase_of, speed_of};
+use super::paired_spindles::{phase_of, settled, speed_of};
 
-/// Largest move of a sub-spindle while both chucks hold the part, geometry units.
+/// Largest distance that a sub-spindle may move while both chucks hold the part, geometry units.
 const RELIEF: f64 = 1.0;
 
 /// Speeds that differ by less than this are equal, rev/min.
@@ -103,6 +104,13 @@ fn close(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
             let reason = format!(
                 "the main spindle turns at {main} rev/min and the sub-spindle at {other}: couple the spindles before \
                  the chuck closes"
+            );
+            return Err(refuse(kernel, &diag::CHUCK_SPEED, &reason));
+        }
+        if let Some(at) = settled(kernel, [leader, follower])? {
+            let reason = format!(
+                "the spindles reach their common speed only at {:.3} s: let the channel wait for that before the chuck closes",
+                at as f64 / 1e9
             );
             return Err(refuse(kernel, &diag::CHUCK_SPEED, &reason));
         }
@@ -193,8 +201,12 @@ fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
         let reason = format!("{axis} feeds the sub-spindle against the part, but its chuck is closed: open it first");
         return Err(refuse(kernel, &diag::CHUCK_NOT_OPEN, &reason));
     }
-    if (to - from).abs() <= RELIEF || !chucks.joined || chucks.sub.open {
+    if !chucks.joined || chucks.sub.open {
         return Ok(());
+    }
+    let relief = if chucks.main.open { to - from } else { chucks.relief + (to - from) };
+    if relief.abs() <= RELIEF {
+        return change(kernel, |chucks| chucks.relief = relief);
     }
     if !chucks.main.open {
         let reason = format!(

@@ -147,6 +147,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     let finding = if finds { machine.spindles[follower].phase } else { 0.0 };
     let ns = nanoseconds(ramps + finding);
     let changed = changed || was.is_some_and(|was| was.ratio != ratio);
+    note_run_up(kernel, follower, ns)?;
     if leads != 0.0 {
         log(kernel, leader, 0)?;
     }
@@ -231,6 +232,28 @@ pub(super) fn speed_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<f64, Ha
 /// The phase in which a spindle follows another one.
 pub(super) fn phase_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<Option<f64>, Halt> {
     kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
+}
+
+/// When the last of these spindles has run up or down, ns, if that is later than now.
+pub(super) fn settled(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Result<Option<i64>, Halt> {
+    let settled = kernel.access(Door::Spindle, AccessMode::Read, |shared| {
+        let of = spindles.map(|id| shared.spindle(id.index()).map_or(0, |spindle| spindle.settled));
+        of[0].max(of[1])
+    })?;
+    Ok(Some(settled).filter(|settled| *settled > kernel.channel.now()))
+}
+
+/// Records when a spindle has run up or down; only the rules of chucks use it.
+pub(super) fn note_run_up(kernel: &mut Kernel<'_>, id: SpindleId, ns: i64) -> Acted {
+    if ns == 0 || !kernel.channel.state.others.spindles.chucks {
+        return Ok(());
+    }
+    let settled = kernel.channel.now() + ns;
+    kernel.access(Door::Spindle, AccessMode::Write, |shared| {
+        if let Some(spindle) = shared.spindles.get_mut(id.index()) {
+            spindle.settled = settled;
+        }
+    })
 }
 
 /// Runs `read` as if the given spindle were the active spindle.

@@ -18,6 +18,12 @@ use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::SpindleCommand;
 
+/// Whether the spindle turns in one direction and then in the other.
+fn reverses(before: SpindleDirection, after: SpindleDirection) -> bool {
+    use SpindleDirection::{Clockwise, CounterClockwise};
+    matches!((before, after), (Clockwise, CounterClockwise) | (CounterClockwise, Clockwise))
+}
+
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
     pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
@@ -61,7 +67,7 @@ impl Kernel<'_> {
         }
         if self.channel.state.spindle.command != old {
             self.channel.reports.plausible.look_above = 0.0;
-            self.announce(id, before)?;
+            self.announce(id, before, old.direction)?;
             chucks::after_command(self)?;
         }
         self.follow_radius()
@@ -87,7 +93,7 @@ impl Kernel<'_> {
     }
 
     /// Logs the state and takes the run-up time.
-    fn announce(&mut self, id: SpindleId, before: f64) -> Acted {
+    fn announce(&mut self, id: SpindleId, before: f64, turned: SpindleDirection) -> Acted {
         let spindle = &self.channel.env.machine.spindles[id];
         let (number, overlap) = (spindle.number, spindle.overlap);
         let [_, max] = self.channel.state.spindle.range(self.channel.env.machine);
@@ -106,13 +112,15 @@ impl Kernel<'_> {
         }
         let after = self.turning_speed()?;
         let followers = paired_spindles::followers(self, id)?;
-        let ramps =
-            followers.iter().map(|(id, of)| self.channel.env.machine.spindles[*id].ramp((after - before) * of.ratio));
-        let mut seconds = ramps.fold(spindle.ramp(after - before), f64::max);
-        if after != before {
+        // A spindle that turns the other way stops first.
+        let change = if reverses(turned, now.direction) { after + before } else { after - before };
+        let ramps = followers.iter().map(|(id, of)| self.channel.env.machine.spindles[*id].ramp(change * of.ratio));
+        let mut seconds = ramps.fold(spindle.ramp(change), f64::max);
+        if change != 0.0 {
             seconds += self.channel.env.machine.time.spindle_speed;
         }
         let ns = counterpoint_channel::at::nanoseconds(seconds);
+        paired_spindles::note_run_up(self, id, ns)?;
         let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
         if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {

@@ -80,7 +80,13 @@ fn chucks(machine: &Machine) -> Option<ChuckPair> {
         Some(ChuckAtStart::Open) => Chuck { open: true, piece: None },
         Some(ChuckAtStart::Empty) | None => Chuck { open: false, piece: None },
     };
-    Some(ChuckPair { main: of(main), sub: of(sub), joined: false, away: machine.spindles[sub].slide.is_none() })
+    Some(ChuckPair {
+        main: of(main),
+        sub: of(sub),
+        joined: false,
+        away: machine.spindles[sub].slide.is_none(),
+        relief: 0.0,
+    })
 }
 
 /// Values of common variables that the machine has kept.
