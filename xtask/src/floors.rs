@@ -26,6 +26,7 @@ const FLOORS: &[&[&str]] = &[
     &["waits"],
     &["channel"],
     &["emulator"],
+    &["actions", "lint", "macro-host"],
     &["kernel"],
     &["server", "client"],
     &["cli"],

@@ -91,3 +91,9 @@ pub fn current_text<'t>(channel: &'t ChannelContext<'_>) -> &'t [u8] {
         }
     }
 }
+
+/// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
+pub fn is_line_without(channel: &ChannelContext<'_>, byte: u8) -> bool {
+    let source = || channel.env.sources.get(channel.at.file);
+    channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
+}

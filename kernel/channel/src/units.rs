@@ -4,9 +4,11 @@ use super::ChannelMemory;
 use super::channel_context::ChannelContext;
 use super::modal::group;
 use counterpoint_event::info::MachineUnit;
+use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, codes};
+use counterpoint_machine::index::CodeRowId;
 
 impl ChannelMemory {
     /// Whether the active code of the units selects the secondary unit of length.
@@ -66,4 +68,13 @@ impl ChannelContext<'_> {
         let counts = self.state.modal.code(group::DIAMETER_X) == Some(codes::XAXIS_DIAMETER_ABSOLUTE);
         counts && self.state.place.scale_of(0) < 1.0
     }
+}
+
+/// Makes codes active again that were saved: group, code, row.
+pub fn put_modes_back(channel: &mut ChannelContext<'_>, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
+    channel.state.modal.restore(saved);
+    channel.follow_cycle();
+    channel.follow_spindle();
+    channel.follow_clamps();
+    channel.state.secondary = channel.state.says_secondary();
 }

@@ -1,14 +1,9 @@
-//! One channel of the control: reads its program block by block, executes codes, runs the macros of the machine.
+//! One channel of the control: reads its program block by block and executes the statements of its codes.
 //!
-//! A block goes through the stages of `pipeline`; the plan of the machine says which hooks run between them and which
-//! action a code has. *Invariant:* arrows between the modules go down only: `hooks` and `action` are reached through
-//! the plan, an action sees its channel and the services of `act`, never flow, macros, plan or coordinator.
+//! A block goes through the stages of `pipeline`. The plan of the machine says which hooks run between them and which
+//! action a code has. *Invariant:* arrows between the modules go down only, and nothing here knows the actions, the
+//! macros at work or the check without a run: the kernel reaches them through the tables of its plan.
 
-mod act;
-pub mod action;
 pub mod channel;
-pub mod hooks;
-mod host;
-mod lint;
-mod pipeline;
-mod trace;
+pub mod pipeline;
+pub mod trace;

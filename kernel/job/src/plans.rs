@@ -9,6 +9,7 @@
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use counterpoint_emulator::channel::plan::ExecutionPlan;
+use counterpoint_emulator::channel::plan_tables::PlanTables;
 use counterpoint_machine::Machine;
 
 /// Most plans that are kept.
@@ -56,8 +57,12 @@ pub(crate) struct PlanRequest<'a> {
 impl PlanRequest<'_> {
     /// Makes the plan.
     pub(crate) fn plan(&self) -> ExecutionPlan {
-        let hooks = self.hooks.then_some(&counterpoint_emulator::hooks::POINTS);
-        ExecutionPlan::new(self.machine, self.opskip, &counterpoint_emulator::action::ACTIONS, hooks)
+        let tables = PlanTables {
+            actions: &counterpoint_actions::ACTIONS,
+            hooks: self.hooks.then_some(&counterpoint_macro_host::hooks::POINTS),
+            lint: counterpoint_lint::walk,
+        };
+        ExecutionPlan::new(self.machine, self.opskip, tables)
     }
 }
 

@@ -15,7 +15,7 @@ use super::Kernel;
 
 /// The shared data of an access.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Door<'n> {
+pub enum Door<'n> {
     /// A numbered common variable.
     Common(u32),
     /// A variable with a name.
@@ -67,7 +67,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// The job was stopped before, or a race is an alarm.
-    pub(crate) fn access<R>(
+    pub fn access<R>(
         &mut self,
         door: Door<'_>,
         mode: AccessMode,

@@ -17,14 +17,14 @@ use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::block::PendingCode;
 
 /// The effect of a code.
-pub(crate) trait Action: Debug + Sync {
+pub trait Action: Debug + Sync {
     /// Executes the code.
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted;
 }
 
 /// Compensation that a macro changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CompensationChange {
+pub enum CompensationChange {
     /// Another code is active.
     Code,
     /// Another offset is active on the same side.
@@ -32,77 +32,77 @@ pub(crate) enum CompensationChange {
 }
 
 /// Gives a straight feed move a new end: its time in seconds, and the move.
-type ShortenMove = fn(&mut Kernel<'_>, &Motion, Position) -> Result<(f64, Motion), Halt>;
+pub type ShortenMove = fn(&mut Kernel<'_>, &Motion, Position) -> Result<(f64, Motion), Halt>;
 
 /// Straight moves that no code makes.
 #[derive(Debug)]
-pub(crate) struct StraightMoves {
+pub struct StraightMoves {
     /// Goes to a programmed point at rapid.
-    pub(crate) back: fn(&mut Kernel<'_>, &Position) -> Acted,
+    pub back: fn(&mut Kernel<'_>, &Position) -> Acted,
     /// Moves these axes to a point of the work frame: at rapid, or at the feed of the active mode.
-    pub(crate) along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
+    pub along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
     /// Repeats a straight move that a macro has changed: at rapid or at feed, to a new end.
-    pub(crate) change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
+    pub change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
     /// A straight feed move with a new end: its time in seconds, and the move.
-    pub(crate) shorten: ShortenMove,
+    pub shorten: ShortenMove,
 }
 
 /// The built-in actions: those of codes, and those that other stages of the pipeline need.
 #[derive(Debug)]
 pub struct ActionTable {
     /// Action of a code; `None` for a code without a built-in action.
-    pub(crate) of: fn(CodeId) -> Option<&'static dyn Action>,
+    pub of: fn(CodeId) -> Option<&'static dyn Action>,
     /// Finishes a move that compensation keeps back, without knowing the next one.
-    pub(crate) flush_lookahead: fn(&mut Kernel<'_>) -> Acted,
+    pub flush_lookahead: fn(&mut Kernel<'_>) -> Acted,
     /// Finishes a move that compensation has kept back too long, or, at a hole, one with a corner at its end.
-    pub(crate) flush_due: fn(&mut Kernel<'_>, bool) -> Acted,
+    pub flush_due: fn(&mut Kernel<'_>, bool) -> Acted,
     /// The program has ended, and compensation with it.
-    pub(crate) end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
+    pub end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
     /// A macro has changed compensation.
-    pub(crate) change_compensation: fn(&mut Kernel<'_>, CompensationChange) -> Acted,
+    pub change_compensation: fn(&mut Kernel<'_>, CompensationChange) -> Acted,
     /// A speed that no code took.
-    pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
+    pub speed_word: fn(&mut Kernel<'_>) -> Acted,
     /// Numbers of offsets without their codes; the registers whose words no code of the block takes, bit by register.
-    pub(crate) offset_words: fn(&mut Kernel<'_>, u128) -> Acted,
+    pub offset_words: fn(&mut Kernel<'_>, u128) -> Acted,
     /// Makes a hole of a cycle.
-    pub(crate) make_hole: fn(&mut Kernel<'_>, &CycleHole) -> Acted,
+    pub make_hole: fn(&mut Kernel<'_>, &CycleHole) -> Acted,
     /// Actions by which contour blocks are read; none among them.
-    pub(crate) reading: Option<&'static ActionTable>,
+    pub reading: Option<&'static ActionTable>,
     /// Records a motion in place of making it; none where motions are made.
-    pub(crate) record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
+    pub record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// Cuts along a contour that was read.
-    pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, RecordedContour) -> Acted,
+    pub cut_contour: fn(&mut Kernel<'_>, &ContourCycle, RecordedContour) -> Acted,
     /// Removes stock along a contour that was read.
-    pub(crate) strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
+    pub strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
     /// Puts the frame of a further copy of a figure into force, or the frame before the copies.
-    pub(crate) copy_figure: fn(&mut Kernel<'_>, &CopiedFigure, bool) -> Acted,
+    pub copy_figure: fn(&mut Kernel<'_>, &CopiedFigure, bool) -> Acted,
     /// Straight moves that no code makes.
-    pub(crate) straight: StraightMoves,
+    pub straight: StraightMoves,
 }
 
 impl Kernel<'_> {
     /// Finishes the move that compensation keeps back, without knowing the next one.
-    pub(crate) fn flush_lookahead(&mut self) -> Acted {
+    pub fn flush_lookahead(&mut self) -> Acted {
         if self.channel.state.place.is_compensated() { (self.plan.actions.flush_lookahead)(self) } else { Ok(()) }
     }
 
     /// Finishes a move that compensation has kept back too long, or, at a hole, one with a corner at its end.
-    pub(crate) fn flush_old(&mut self) -> Acted {
+    pub fn flush_old(&mut self) -> Acted {
         if self.channel.state.place.is_compensated() { (self.plan.actions.flush_due)(self, false) } else { Ok(()) }
     }
 
     /// The program has ended: the move that is kept back is made, unless the job has been stopped.
-    pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
+    pub fn end_compensation(&mut self, halt: Halt) -> Halt {
         if self.channel.state.place.is_compensated() { (self.plan.actions.end_compensation)(self, halt) } else { halt }
     }
 
     /// A macro has made another code of compensation active.
-    pub(crate) fn switch_compensation(&mut self) {
+    pub fn switch_compensation(&mut self) {
         self.change_compensation(CompensationChange::Code);
     }
 
     /// Called when a macro has selected another offset of the radius.
-    pub(crate) fn resize_compensation(&mut self) {
+    pub fn resize_compensation(&mut self) {
         self.change_compensation(CompensationChange::Number);
     }
 
@@ -112,8 +112,16 @@ impl Kernel<'_> {
         }
     }
 
+    /// Makes a hole, by way of its macro if there is one.
+    pub fn cycle_event(&mut self, hole: &CycleHole) -> Acted {
+        match self.plan.hooks {
+            Some(hooks) => (hooks.cycle)(self, hole),
+            None => (self.plan.actions.make_hole)(self, hole),
+        }
+    }
+
     /// A macro is about to change offsets: the move that is kept back is made before.
-    pub(crate) fn flush_for_macro(&mut self) {
+    pub fn flush_for_macro(&mut self) {
         if let Err(halt) = self.flush_lookahead() {
             self.macros.calls.stop(halt);
         }

@@ -14,7 +14,7 @@ use counterpoint_waits::coupling::{self, CoupledPair, CouplingKind};
 
 impl Kernel<'_> {
     /// Whether the program of this channel alone has the code of synchronous control.
-    pub(crate) fn couples_alone(&mut self) -> bool {
+    pub fn couples_alone(&mut self) -> bool {
         self.words_of_couplings() == [true, false]
     }
 
@@ -38,7 +38,7 @@ impl Kernel<'_> {
 
     /// Couples an axis of this channel with an axis of another channel and notifies that channel. For a coupled pair,
     /// changes parking.
-    pub(crate) fn couple_alone(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
+    pub fn couple_alone(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         self.flush_lookahead()?;
         self.end_own(&pair);
         self.say(&pair, parking, true)?;
@@ -50,7 +50,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling that this channel has commanded.
-    pub(crate) fn end_alone(&mut self, pair: CoupledPair) -> Acted {
+    pub fn end_alone(&mut self, pair: CoupledPair) -> Acted {
         self.flush_lookahead()?;
         self.say(&pair, Parking::Neither, false)?;
         let moved = self.end_own(&pair);

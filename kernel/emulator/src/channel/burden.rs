@@ -10,7 +10,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It is.
-    pub(crate) fn work(&mut self, elements: usize) -> Acted {
+    pub fn work(&mut self, elements: usize) -> Acted {
         let before = self.channel.burden.work;
         self.channel.burden.work = before.saturating_add(elements as u64);
         self.channel.at.idle_blocks += self.channel.burden.work / PER_BLOCK - before / PER_BLOCK;
@@ -53,13 +53,13 @@ impl Kernel<'_> {
     }
 
     /// Ends the job: its memory is used up.
-    pub(crate) fn out_of_memory(&mut self, what: &str) -> Halt {
+    pub fn out_of_memory(&mut self, what: &str) -> Halt {
         self.limit(&format!("the memory of the job is exhausted: {what}"), Some(Limit::Memory))
     }
 
     /// Between two holes of a block: publishes the progress of this kernel and checks the limits of the job. A hole
     /// counts as much work as a block.
-    pub(crate) fn count_as_block(&mut self) -> Acted {
+    pub fn count_as_block(&mut self) -> Acted {
         if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.emitter.bound(&self.channel.at))
             || self.ports.control.cancelled()
         {

@@ -13,7 +13,7 @@ use counterpoint_channel::turning::ContourCycle;
 
 /// The next step after the current block.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Pending {
+pub enum Pending {
     /// Call a subprogram.
     Call {
         /// Which one.
@@ -27,9 +27,11 @@ pub(crate) enum Pending {
     },
     /// Call a program whose passes are copies of a figure.
     Figure {
+        /// Number of the program.
         program: u32,
         /// Passes, at least 1.
         passes: u32,
+        /// The figure.
         figure: Box<CopiedFigure>,
     },
     /// Call the blocks from one sequence number or label to another.
@@ -57,7 +59,7 @@ pub(crate) enum Pending {
 
 impl Pending {
     /// Whether it calls a subprogram.
-    pub(crate) fn calls(&self) -> bool {
+    pub fn calls(&self) -> bool {
         matches!(self, Self::Call { .. } | Self::Figure { .. } | Self::CallRange { .. } | Self::CallText(_))
     }
 }
@@ -73,7 +75,7 @@ pub(crate) struct Printing {
 
 /// The callee.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Callee {
+pub enum Callee {
     /// A program by its number, 0 for the main program.
     Program(u32),
     /// A program by its number, from a sequence number on.

@@ -5,7 +5,7 @@ use counterpoint_fault as diag;
 
 impl Kernel<'_> {
     /// Passes of a repeat word.
-    pub(crate) fn passes(&mut self, count: f64) -> u32 {
+    pub fn passes(&mut self, count: f64) -> u32 {
         if count < 0.0 || count.fract() != 0.0 {
             let text = format!("a repeat count is a whole number from 0 in '{}'", self.channel.block_text());
             self.diagnose(&diag::DATA_OUT_OF_RANGE, text);

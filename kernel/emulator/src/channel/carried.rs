@@ -6,13 +6,20 @@
 
 use std::sync::Arc;
 
+use super::flow::{ProgramFlow, RunningProgram};
+use counterpoint_channel::RareState;
+use counterpoint_channel::arc::ArcState;
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::cycle::Cycle;
+use counterpoint_channel::probing::Probing;
+use counterpoint_channel::thread::ThreadingState;
+use counterpoint_event::SourcePlace;
 use counterpoint_lang::pattern::SearchMemory;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::components::ComponentSelection;
 use super::dialect_state::DialectState;
-use super::flow::ProgramFlow;
 use counterpoint_channel::ChannelMemory;
 use counterpoint_channel::at::ExecutionPoint;
 use counterpoint_channel::burden::Burden;
@@ -199,5 +206,51 @@ impl Kernel<'_> {
         self.check_limits()?;
         self.load(file)?;
         self.start_over(file, range, name, reset)
+    }
+
+    /// Starts the next program after the previous one has ended.
+    pub fn start_over(&mut self, file: FileId, range: ProgramRange, name: Arc<str>, reset: bool) -> Acted {
+        if reset {
+            self.channel.state.forget_words(self.channel.env.machine);
+            self.initial_codes();
+            (
+                self.channel.state.place.tools.current,
+                self.channel.state.place.tools.selected,
+                self.channel.state.place.tools.chosen,
+            ) = (0, 0, false);
+            (self.channel.state.cycle, self.channel.state.arcs) =
+                (Cycle::new(self.channel.env.machine), ArcState::default());
+            self.forget_frame();
+            if let Some(channel) =
+                self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
+            {
+                *self.channel.state.others = RareState::new(self.channel.env.machine, channel);
+            }
+            (*self.channel.state.threads, *self.channel.state.skip) =
+                (ThreadingState::new(self.channel.env.machine), Probing::default());
+            let runtime = &mut *self.macros;
+            runtime.variables.store.counts = Default::default();
+            runtime.books.forget_operations();
+            runtime.variables.store.listed.clear();
+            runtime.tools.clear();
+        }
+        self.channel.block.clear();
+        if !reset {
+            self.switch_compensation();
+        }
+        self.channel.at.go_to(BlockPlace { file, line: 0, caller: SourcePlace::NONE });
+        for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
+            self.dialect.variables.leave();
+        }
+        self.flow = ProgramFlow::default();
+        self.flow.frames.push(RunningProgram::main(file, range, name));
+        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
+            interpreter.restart(reset);
+            self.flow.watched = interpreter.watches();
+        }
+        self.interpreter_start();
+        self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start_again)(self))?;
+        let done = self.follow();
+        self.went_on(done)
     }
 }

@@ -42,7 +42,7 @@ enum ChuckCode {
 }
 
 /// The action of a code.
-pub(crate) fn find(id: CodeId) -> Option<&'static dyn Action> {
+pub fn find(id: CodeId) -> Option<&'static dyn Action> {
     Some(match id {
         codes::CHUCK_MAIN_OPEN => &ChuckCode::Open { sub: false },
         codes::CHUCK_MAIN_CLOSE => &ChuckCode::Close { sub: false },

@@ -35,36 +35,38 @@ pub struct PreparedComponent<'a> {
 
 /// Which component a channel works with.
 #[derive(Default)]
-pub(crate) struct ComponentSelection {
+pub struct ComponentSelection {
     /// Place of the active one; none on a machine that is not a composite.
-    pub(crate) now: Option<usize>,
+    pub now: Option<usize>,
     /// Place of the previous component.
-    pub(crate) before: Option<usize>,
+    pub before: Option<usize>,
     /// Place of the component that a macro has requested.
-    pub(crate) wanted: Option<usize>,
+    pub wanted: Option<usize>,
     /// Macros of components that have worked here, by place.
-    pub(crate) kept: Vec<(usize, Box<Runtime>)>,
+    pub kept: Vec<(usize, Box<Runtime>)>,
     /// Pre-processors that have worked here and do not now.
-    pub(crate) dialects: Vec<Resting>,
+    pub dialects: Vec<Resting>,
 }
 
 /// A pre-processor that has worked here.
-pub(crate) struct Resting {
+pub struct Resting {
     /// Which.
-    pub(crate) of: Preprocessor,
+    pub of: Preprocessor,
     /// Its variables and its interpreter.
-    pub(crate) dialect: DialectState,
+    pub dialect: DialectState,
     /// Loops that its programs were in.
-    pub(crate) loops: LoopStack,
+    pub loops: LoopStack,
     /// Subprograms that ran then, each with whether it has variables of its own.
-    pub(crate) levels: Vec<bool>,
+    pub levels: Vec<bool>,
 }
 
 /// The components of the machine, and the active one.
 #[derive(Default)]
-pub(crate) struct Components<'a> {
-    pub(crate) all: &'a [PreparedComponent<'a>],
-    pub(crate) turns: ComponentSelection,
+pub struct Components<'a> {
+    /// The components of the machine.
+    pub all: &'a [PreparedComponent<'a>],
+    /// The active one, and those that have worked here.
+    pub turns: ComponentSelection,
 }
 
 impl<'a> Components<'a> {
@@ -75,22 +77,22 @@ impl<'a> Components<'a> {
     }
 
     /// Whether the machine is a composite.
-    pub(crate) fn is_composite(&self) -> bool {
+    pub fn is_composite(&self) -> bool {
         !self.all.is_empty()
     }
 
     /// The active one; none on a machine that is not a composite, and in its master.
-    pub(crate) fn current(&self) -> Option<&'a PreparedComponent<'a>> {
+    pub fn current(&self) -> Option<&'a PreparedComponent<'a>> {
         self.turns.now.and_then(|now| self.all.get(now))
     }
 
     /// The previous component.
-    pub(crate) fn previous(&self) -> Option<&'a PreparedComponent<'a>> {
+    pub fn previous(&self) -> Option<&'a PreparedComponent<'a>> {
         self.turns.before.and_then(|before| self.all.get(before))
     }
 
     /// Place of the component that a designator names in a channel.
-    pub(crate) fn named(&self, designator: &str, channel: u16) -> Option<usize> {
+    pub fn named(&self, designator: &str, channel: u16) -> Option<usize> {
         let is = |one: &PreparedComponent<'_>| {
             one.designator.eq_ignore_ascii_case(designator) && one.channels.contains(&channel)
         };

@@ -53,7 +53,7 @@ impl Meeting {
 impl Kernel<'_> {
     /// Couples an axis of this channel with one of another channel. The same synchronous pair again only changes the
     /// parked axes.
-    pub(crate) fn couple(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
+    pub fn couple(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else {
             return Ok(());
@@ -84,7 +84,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling of this channel together with the other channel.
-    pub(crate) fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
+    pub fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
         self.flush_lookahead()?;
         let theirs = self.meet_at(&pair, Meeting::Off, pair.wait(self.channel.env.machine, true))?;
         let moved = self.uncouple(&pair, theirs.by);
@@ -175,7 +175,7 @@ impl Kernel<'_> {
     }
 
     /// Another component of a composite machine works: its axes are coupled as before.
-    pub(crate) fn keep_couplings(&mut self) {
+    pub fn keep_couplings(&mut self) {
         let (machine, channel) = (self.channel.env.machine, self.channel.at.channel);
         let ChannelMemory { place, others, .. } = &mut self.channel.state;
         for coupling in &mut others.couplings {
@@ -266,7 +266,7 @@ impl Kernel<'_> {
     }
 
     /// The alarm for a code that an axis to which moves are added cannot have, if one of these is such an axis.
-    pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
+    pub fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
         let added = |coupling: &Coupling| coupling.slave && coupling.pair.kind == CouplingKind::Superimposed;
         if moved & slots(&self.channel.state.others.couplings, added) == 0 {
             return Ok(());

@@ -12,7 +12,7 @@ const IMPLIED_ORDER: u16 = 500;
 impl Kernel<'_> {
     /// Lets position words fire the active cycle, otherwise the active motion code.
     #[inline]
-    pub(crate) fn imply_motion(&mut self) {
+    pub fn imply_motion(&mut self) {
         let machine = self.channel.env.machine;
         let code = |row: CodeRowId| (machine.codes[row].id, machine.codes[row].id.kind());
         let mut in_machine = false;

@@ -5,7 +5,7 @@
 //! do all blocks of a cycle while a macro, a trace, a frame or another active code could make a difference.
 
 use super::Kernel;
-use super::plan::{DataSource, RECALLED};
+use super::data_plan::{DataSource, RECALLED};
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_control_api::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;

@@ -5,7 +5,7 @@
 use counterpoint_machine::Machine;
 
 use super::Kernel;
-use super::plan::{DataSource, RECALLED};
+use super::data_plan::{DataSource, RECALLED};
 use counterpoint_channel::channel_context::Handed;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
@@ -23,7 +23,7 @@ const SWITCHED_OFF: &str = "its rows are switched off";
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
-    pub(crate) fn take(&mut self, id: DataId) -> Option<RetrievedValue> {
+    pub fn take(&mut self, id: DataId) -> Option<RetrievedValue> {
         if let Some(hooks) = self.plan.hooks {
             return (hooks.codes.take)(self, id);
         }
@@ -55,7 +55,7 @@ impl Kernel<'_> {
     /// A value handed over by its row: value, factor of its unit, whether it is remembered. Reports a value outside the
     /// row's range.
     #[cold]
-    pub(crate) fn accept(&mut self, handed: Handed) -> (f64, f64, bool) {
+    pub fn accept(&mut self, handed: Handed) -> (f64, f64, bool) {
         let Some(at) = handed.row else {
             return (handed.raw, self.channel.unit_factor(handed.id.dimension().plain()), false);
         };
@@ -71,7 +71,7 @@ impl Kernel<'_> {
     }
 
     /// Whether a value of `id` is in the block.
-    pub(crate) fn block_has(&self, id: DataId) -> bool {
+    pub fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.data.registers_of[id];
         self.channel.block.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
@@ -132,7 +132,7 @@ impl Kernel<'_> {
 
     /// Reads the numbers of the block again in the formats of the current units; values of expressions do not change.
     #[cold]
-    pub(crate) fn read_words_again(&mut self) {
+    pub fn read_words_again(&mut self) {
         let plan = self.plan;
         let secondary = self.channel.state.secondary;
         for at in 0..self.channel.block.words.len() {
@@ -152,12 +152,12 @@ impl Kernel<'_> {
     }
 
     /// Number of a word, before the factor of a row.
-    pub(crate) fn raw(&self, source: &DataSource, word: &Word) -> f64 {
+    pub fn raw(&self, source: &DataSource, word: &Word) -> f64 {
         if source.one.is_some() { self.plain(source, word) } else { word.value }
     }
 
     /// Value of a number of a word with the factor of its row, in the unit of the program, and its dimension.
-    pub(crate) fn scaled(&self, source: &DataSource, word: &Word, raw: f64) -> (f64, Dimension) {
+    pub fn scaled(&self, source: &DataSource, word: &Word, raw: f64) -> (f64, Dimension) {
         let (increments, dimension) = match source.dimension {
             Dimension::Increments => self.counting(word),
             other => (1.0, other),
@@ -179,7 +179,7 @@ impl Kernel<'_> {
 
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
-    pub(crate) fn recall(&self, id: DataId) -> Option<RetrievedValue> {
+    pub fn recall(&self, id: DataId) -> Option<RetrievedValue> {
         let modal = self.plan.data.recall.as_ref()?[id];
         let value = self.channel.state.remembered.value(id).filter(|_| modal)?;
         Some(RetrievedValue { value, incremental: false, absolute: false, raw: value })
@@ -187,7 +187,7 @@ impl Kernel<'_> {
 
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
-    pub(crate) fn refuse(&mut self, id: DataId) -> bool {
+    pub fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.data.refused[id];
         if (self.channel.block.present | RECALLED) & refused != 0 {
             self.report_refused(id, if refused & RECALLED == 0 { NOT_PROCESSED } else { SWITCHED_OFF });
@@ -208,7 +208,7 @@ impl Kernel<'_> {
 
     /// Refuses a word for a macro. Unlike an action, a macro may ask for data whose rows are all switched off.
     #[cold]
-    pub(crate) fn refuse_word(&mut self, id: DataId) {
+    pub fn refuse_word(&mut self, id: DataId) {
         if self.channel.block.present & self.plan.data.refused[id] & !RECALLED != 0 {
             self.refuse(id);
         }
@@ -216,7 +216,7 @@ impl Kernel<'_> {
 
     /// Refuses the value of a code as data if the row of the data is not processed.
     #[cold]
-    pub(crate) fn refuse_handed(&mut self, handed: Handed) -> bool {
+    pub fn refuse_handed(&mut self, handed: Handed) -> bool {
         let refused = handed.row.is_some_and(|at| !self.channel.env.machine.data[at].process);
         if refused {
             self.report_refused(handed.id, NOT_PROCESSED);
@@ -226,7 +226,7 @@ impl Kernel<'_> {
 
     /// Reports the data that an action could have used and whose rows are all switched off.
     #[cold]
-    pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
+    pub fn report_switched_off(&mut self, ids: &[DataId]) {
         for &id in ids {
             let rows = || self.channel.env.machine.data.iter().filter(|row| row.id == id);
             if rows().next().is_some() && rows().all(|row| !row.enable) {
@@ -236,12 +236,13 @@ impl Kernel<'_> {
     }
 
     /// The same for the positions of an axis that have words of their own.
-    pub(crate) fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
+    pub fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
         let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
         if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
     }
 
-    pub(crate) fn out_of_range(&mut self, row: DataRowId, value: f64) {
+    /// Reports a value out of the range of its row.
+    pub fn out_of_range(&mut self, row: DataRowId, value: f64) {
         let row = &self.channel.env.machine.data[row];
         let name = match row.register {
             Some(register) => self.channel.env.machine.registers[register].name.clone(),
@@ -262,7 +263,7 @@ impl Kernel<'_> {
 
 /// The same value with the factor of its row, in the unit of the program.
 #[cold]
-pub(crate) fn handed_value(machine: &Machine, handed: Handed) -> f64 {
+pub fn handed_value(machine: &Machine, handed: Handed) -> f64 {
     handed.row.map_or(handed.raw, |at| {
         let row = &machine.data[at];
         handed.raw * row.mul + row.add

@@ -10,12 +10,7 @@ const ERROR: u8 = 8;
 
 impl Kernel<'_> {
     /// Severity and text of a diagnostic on this machine; an alarm is never lost.
-    pub(crate) fn customised(
-        &mut self,
-        number: u32,
-        (severity, alarm): (u8, bool),
-        text: String,
-    ) -> Option<(u8, String)> {
+    pub fn customised(&mut self, number: u32, (severity, alarm): (u8, bool), text: String) -> Option<(u8, String)> {
         let off = !alarm && self.channel.env.options.warnings_off.contains(&number);
         self.by_machine(number, (severity, alarm), text).filter(|(severity, _)| !off || *severity >= ERROR)
     }

@@ -9,13 +9,13 @@ use counterpoint_control_api::{Dialect, Interpreter, MadeBlocks};
 use counterpoint_machine::Machine;
 
 /// The dialect of a channel.
-pub(crate) struct DialectState {
+pub struct DialectState {
     /// The kind of dialect.
-    pub(crate) kind: &'static dyn Dialect,
+    pub kind: &'static dyn Dialect,
     /// Numbered variables.
-    pub(crate) variables: ChannelVariables,
+    pub variables: ChannelVariables,
     /// Interpreter of statements other than plain words; it is `None` while it runs.
-    pub(crate) interpreter: Option<Box<dyn Interpreter>>,
+    pub interpreter: Option<Box<dyn Interpreter>>,
     /// Programs that the interpreter has read are out of date; the interpreter is notified when it is put back.
     pub(crate) is_stale: bool,
     /// Blocks of the current cycle; between cycles only their memory is kept.
@@ -23,12 +23,12 @@ pub(crate) struct DialectState {
     /// Blocks of cycles that are straight moves, by their words.
     pub(crate) cycle_moves: KnownMoves,
     /// Words that the interpreter leaves to the next stages.
-    pub(crate) left: LeftWords,
+    pub left: LeftWords,
 }
 
 impl DialectState {
     /// The dialect of a machine, with its interpreter if it `executes`.
-    pub(crate) fn new(machine: &Machine, executes: bool) -> Self {
+    pub fn new(machine: &Machine, executes: bool) -> Self {
         let kind = counterpoint_controls::of(machine);
         Self {
             kind,

@@ -95,7 +95,7 @@ impl Kernel<'_> {
     /// How the spindle turns during a time by revolutions that starts now, `None` when it is stopped. Unless this
     /// channel drives the spindle, it looks after all commands and moves that other channels begin at this instant, so
     /// the time does not depend on the numbers of the channels.
-    pub(crate) fn speed_from_now(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
+    pub fn speed_from_now(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
         let drives = |kernel: &Self| {
             let SpindleCommand { css, driver, .. } = kernel.channel.state.spindle.command;
             css && driver == kernel.channel.at.channel
@@ -120,7 +120,7 @@ impl Kernel<'_> {
     }
 
     /// The same for a cut. In balance cutting it first waits for the cut of the other channel.
-    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
+    pub fn speed_of_cut(&mut self) -> Result<Option<SpindleRotation>, diag::Halt> {
         if self.channel.state.others.balance.is_some() {
             self.pair_cut(MotionKind::Linear)?;
         }
@@ -129,7 +129,7 @@ impl Kernel<'_> {
 
     /// Before the channel waits or ends: checks the speed during its last move, unless that has been checked already.
     #[inline(always)]
-    pub(crate) fn compare_last_speed(&mut self) -> Acted {
+    pub fn compare_last_speed(&mut self) -> Acted {
         if self.channel.state.spindle.assumed.is_some() { self.current().map(drop) } else { Ok(()) }
     }
 

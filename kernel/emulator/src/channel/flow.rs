@@ -18,29 +18,31 @@ use counterpoint_channel::figure::CopiedFigure;
 
 /// One running program text.
 #[derive(Debug, Clone)]
-pub(crate) struct RunningProgram {
-    pub(crate) file: FileId,
+pub struct RunningProgram {
+    /// File of the program.
+    pub file: FileId,
     /// Where the user's program called it, if the text is a resident program.
-    pub(crate) caller: SourcePlace,
-    pub(crate) range: ProgramRange,
+    pub caller: SourcePlace,
+    /// The program in its file.
+    pub range: ProgramRange,
     /// Next line to read.
-    pub(crate) next: u32,
+    pub next: u32,
     /// Byte in that line where the next block begins; above 0 after a character that ends blocks.
-    pub(crate) offset: u32,
+    pub offset: u32,
     /// Further passes after this one.
-    pub(crate) repeats: u32,
+    pub repeats: u32,
     /// The end of its text is its return (a range call).
     pub(crate) closes: bool,
     /// It has variables of its own (a macro call).
-    pub(crate) own_variables: bool,
+    pub own_variables: bool,
     /// The callee.
-    pub(crate) called: CallRecord,
+    pub called: CallRecord,
     /// The modal call that called it.
     pub(crate) modal: Option<usize>,
     /// Kind of the word that called it; a call of another form has none.
     pub(crate) by: Option<WordKind>,
     /// Name for events.
-    pub(crate) name: Arc<str>,
+    pub name: Arc<str>,
     /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
     pub(crate) back: Option<Box<(Position, u8)>>,
     /// Each pass is a copy of the figure.
@@ -49,16 +51,19 @@ pub(crate) struct RunningProgram {
 
 /// Program flow of a channel.
 #[derive(Debug, Default)]
-pub(crate) struct ProgramFlow {
-    pub(crate) frames: Vec<RunningProgram>,
-    pub(crate) pending: Option<Pending>,
+pub struct ProgramFlow {
+    /// The main program and the subprograms that it has called.
+    pub frames: Vec<RunningProgram>,
+    /// Request of the block, carried out at its end.
+    pub pending: Option<Pending>,
     /// The macro that a code of the block calls.
     pub(crate) code_macro: Option<Box<CodeMacro>>,
     /// Macros that blocks call without saying so.
-    pub(crate) modal: ModalCalls,
+    pub modal: ModalCalls,
     /// The pre-processor of another control calls after blocks that move.
     pub(crate) modal_text: bool,
-    pub(crate) pass: LoopTracker,
+    /// The pass of the loop that runs.
+    pub pass: LoopTracker,
     /// Steps go over all blocks while at least this number of programs run; none if no program hides its blocks.
     pub(crate) hidden_from: Option<usize>,
     /// The program has jumped back or called, so a line may run again.
@@ -66,10 +71,11 @@ pub(crate) struct ProgramFlow {
     /// Printing statements.
     pub(crate) printing: Printing,
     /// Loops that the programs are in.
-    pub(crate) loops: dialect::LoopStack,
+    pub loops: dialect::LoopStack,
     /// Byte at which the block being processed begins in its line.
-    pub(crate) offset: u32,
-    pub(crate) known: FlowCache,
+    pub offset: u32,
+    /// Places of programs, labels and blocks that were found.
+    pub known: FlowCache,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been reported, by file and line.
@@ -80,17 +86,17 @@ pub(crate) struct ProgramFlow {
 
 /// Data derived from programs, kept for the next time.
 #[derive(Debug, Default)]
-pub(crate) struct FlowCache {
+pub struct FlowCache {
     /// Names of programs that were called by number.
     pub(crate) names: ProgramNameCache,
     /// Where programs that were called by number are.
-    pub(crate) programs: ProgramLocationCache,
+    pub programs: ProgramLocationCache,
     /// Blocks that only lead on.
-    pub(crate) blocks: KnownBlocks,
+    pub blocks: KnownBlocks,
     /// Lines of labels by file and label.
-    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    pub labels: FxHashMap<FileId, Arc<Labels>>,
     /// Bytes of labels.
-    pub(crate) tables: usize,
+    pub tables: usize,
 }
 
 /// Names of programs by number, as events have them: those that were called last.
@@ -117,7 +123,7 @@ pub(crate) type Wanted = (u32, FileId, FileId);
 ///
 /// *Invariant:* the texts of a job do not change, so a program that was found stays where it is.
 #[derive(Debug, Default)]
-pub(crate) struct ProgramLocationCache([Option<(Wanted, (FileId, ProgramRange))>; 8]);
+pub struct ProgramLocationCache([Option<(Wanted, (FileId, ProgramRange))>; 8]);
 
 impl ProgramLocationCache {
     /// Where a program was found.
@@ -137,7 +143,7 @@ impl ProgramLocationCache {
 
 impl ProgramFlow {
     /// The frame being executed.
-    pub(crate) fn frame(&mut self) -> Option<&mut RunningProgram> {
+    pub fn frame(&mut self) -> Option<&mut RunningProgram> {
         self.frames.last_mut()
     }
 
@@ -153,19 +159,19 @@ impl ProgramFlow {
     }
 
     /// Subprograms that are running.
-    pub(crate) fn level(&self) -> usize {
+    pub fn level(&self) -> usize {
         self.frames.len().saturating_sub(1)
     }
 }
 
 impl RunningProgram {
     /// The block to read next.
-    pub(crate) fn next_block(&self) -> BlockStart {
+    pub fn next_block(&self) -> BlockStart {
         BlockStart { line: self.next, offset: self.offset }
     }
 
     /// A text from its first block on, once, as the main program.
-    pub(crate) fn main(file: FileId, range: ProgramRange, name: Arc<str>) -> Self {
+    pub fn main(file: FileId, range: ProgramRange, name: Arc<str>) -> Self {
         Self {
             file,
             caller: SourcePlace::NONE,
@@ -187,9 +193,11 @@ impl RunningProgram {
 
 /// The callee, and its total passes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct CallRecord {
-    pub(crate) what: Callee,
-    pub(crate) passes: u32,
+pub struct CallRecord {
+    /// The subprogram.
+    pub what: Callee,
+    /// Passes, at least 1.
+    pub passes: u32,
     /// The block that calls, on a kernel with macros.
-    pub(crate) block: Option<Arc<str>>,
+    pub block: Option<Arc<str>>,
 }

@@ -23,7 +23,7 @@ impl Kernel<'_> {
     }
 
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
-    pub(crate) fn set_offset(&mut self, table: OffsetTable, number: u32, values: Position) -> bool {
+    pub fn set_offset(&mut self, table: OffsetTable, number: u32, values: Position) -> bool {
         self.channel.hold_length(table, number);
         let stored = self.channel.state.place.offsets.get_or_insert_default().store(table, number, values);
         if stored {
@@ -33,7 +33,7 @@ impl Kernel<'_> {
     }
 
     /// Makes the sum of all offsets active; the machine does not move.
-    pub(crate) fn reframe(&mut self) {
+    pub fn reframe(&mut self) {
         let wanted = self.channel.wanted_shift();
         let turn = self
             .channel
@@ -106,7 +106,7 @@ impl Kernel<'_> {
     }
 
     /// Takes whole turns off the position of an axis; nothing moves.
-    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: Modulo) {
+    pub fn unwind_axis(&mut self, axis: AxisSlot, modulo: Modulo) {
         self.flush_for_macro();
         let mut machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let slot = machine.at_mut(axis);

@@ -40,7 +40,7 @@ pub(crate) struct KnownBlock {
 
 /// Blocks by line: those that were met last.
 #[derive(Debug, Default)]
-pub(crate) struct KnownBlocks([Option<KnownBlock>; 32]);
+pub struct KnownBlocks([Option<KnownBlock>; 32]);
 
 impl KnownBlocks {
     #[inline(always)]

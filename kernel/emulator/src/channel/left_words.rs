@@ -15,11 +15,11 @@ use counterpoint_program::key_words::WrittenNumber;
 
 /// The words that an interpreter leaves, beside those of the block.
 #[derive(Debug, Default)]
-pub(crate) struct LeftWords {
+pub struct LeftWords {
     /// Whether a trace or a macro may ask for the text of the words.
     pub(super) asked: bool,
     /// The text of the words, if it may be asked for.
-    pub(crate) text: String,
+    pub text: String,
     /// The interpreter continues its block after these words have acted.
     pub(crate) continues: bool,
     /// Text of a block of several lines.

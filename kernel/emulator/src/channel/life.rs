@@ -72,14 +72,11 @@ impl Kernel<'_> {
             None => self.begin(file, range, name),
         };
         let halt = match begun {
-            Ok(()) if self.channel.env.options.lint => self.walk(),
+            Ok(()) if self.channel.env.options.lint => (self.plan.lint)(self),
             Ok(()) => self.program(),
             Err(halt) => halt,
         };
-        let mut halt = self.end_macros(halt);
-        while let Some(next) = self.restarted(halt) {
-            halt = self.end_macros(next);
-        }
+        let mut halt = self.plan.hooks.map_or(halt, |hooks| (hooks.program.end)(self, halt));
         if let Halt::ProgramEnd(_) = halt {
             // No later block checks the limit for the last block, or for moves whose time was not known yet.
             self.channel.come_to_rest();
@@ -87,7 +84,9 @@ impl Kernel<'_> {
                 halt = limit;
             }
         }
-        self.close_files(halt);
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.program.close)(self, halt);
+        }
         self.finish(halt)
     }
 
@@ -230,7 +229,7 @@ impl Kernel<'_> {
 
     /// Limits of the job that one channel can reach.
     #[inline(always)]
-    pub(crate) fn check_limits(&mut self) -> Acted {
+    pub fn check_limits(&mut self) -> Acted {
         let limits = &self.channel.env.options.limits;
         // All at once, as a block is seldom beyond any of them.
         let within = (self.channel.now() <= limits.simulated_ns)

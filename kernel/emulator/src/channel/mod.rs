@@ -4,43 +4,45 @@
 //! data that other channels can see or change is a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
-pub(crate) mod access;
-pub(crate) mod actions;
+pub mod access;
+pub mod actions;
 mod addresses;
 mod alone;
 mod burden;
-pub(crate) mod callee;
+pub mod callee;
 mod calls;
 pub mod carried;
-pub(crate) mod chucks;
+pub mod chucks;
 mod code_time;
 pub mod components;
 mod coupling;
 pub(crate) mod custom_macro;
 mod cycle_codes;
-mod cycle_event;
 pub(crate) mod cycle_moves;
-pub(crate) mod data;
+pub mod data;
+pub mod data_plan;
 mod diagnostics;
-pub(crate) mod dialect_state;
+pub mod dialect_state;
 mod driven_spindle;
 mod exchange;
 mod fixed_stops;
-pub(crate) mod flow;
+pub mod flow;
 mod frame;
-pub(crate) mod hook_points;
+pub mod hook_points;
 mod host;
 mod known_blocks;
 mod left_words;
 mod letter_zero;
 pub(crate) mod life;
+pub mod macro_queries;
 mod motion;
 mod names;
-pub(crate) mod paired_spindles;
-pub(crate) mod part_data;
+pub mod paired_spindles;
+pub mod part_data;
 pub mod parts;
 mod passes;
 pub mod plan;
+pub mod plan_tables;
 pub(crate) mod refusals;
 pub(crate) mod report;
 mod search;
@@ -50,8 +52,9 @@ mod statement;
 pub mod step;
 mod system_variables;
 mod tool_data;
+mod tool_events;
 mod travel;
-pub(crate) mod unit_switch;
+pub mod unit_switch;
 mod unknown;
 mod unknown_codes;
 pub(crate) mod variables;
@@ -85,13 +88,16 @@ pub struct Kernel<'a> {
     pub channel: ChannelContext<'a>,
     /// The paths out of the kernel.
     pub ports: Ports<'a>,
-    pub(crate) plan: &'a ExecutionPlan,
-    pub(crate) flow: ProgramFlow,
-    pub(crate) dialect: DialectState,
+    /// The machine as the block loop needs it.
+    pub plan: &'a ExecutionPlan,
+    /// Programs that run, and the request of the block to the flow.
+    pub flow: ProgramFlow,
+    /// The pre-processor with its variables.
+    pub dialect: DialectState,
     /// The memory of the macros of the machine; empty without any.
     pub macros: Box<Runtime>,
     /// Components of a composite machine.
-    pub(crate) components: Components<'a>,
+    pub components: Components<'a>,
 }
 
 impl<'a> Kernel<'a> {

@@ -17,7 +17,7 @@ use counterpoint_channel::stretch::{emit_move, paced};
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
     #[inline]
-    pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+    pub fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         if self.channel.state.others.attends() {
             return self.travel_attended(seconds, motion);
@@ -78,7 +78,7 @@ impl Kernel<'_> {
 
     /// The motion itself.
     #[inline(always)]
-    pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
+    pub fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
         if let Some(hooks) = self.plan.hooks {
             (hooks.moved)(self, seconds, motion);
         }

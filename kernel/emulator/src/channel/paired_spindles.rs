@@ -43,7 +43,7 @@ struct SpindlePair {
 }
 
 /// The action of a code.
-pub(crate) fn find(id: CodeId) -> Option<&'static dyn Action> {
+pub fn find(id: CodeId) -> Option<&'static dyn Action> {
     Some(match id {
         codes::COUPLE_SPINDLES => &CouplingStep::Speed,
         codes::COUPLE_SPINDLES_PHASE => &CouplingStep::Phase,

@@ -11,7 +11,7 @@ use counterpoint_program::presets;
 /// Reports values of `$0` without a decimal point if the program selects a unit other than the initial unit of the
 /// machine.
 #[cold]
-pub(crate) fn check(kernel: &mut Kernel<'_>, inch: bool) -> Acted {
+pub fn check(kernel: &mut Kernel<'_>, inch: bool) -> Acted {
     let machine = kernel.channel.env.machine;
     let begins = begins_in_inches(machine);
     let main = kernel.flow.frames.first().map(|frame| frame.file);

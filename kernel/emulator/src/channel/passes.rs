@@ -46,9 +46,9 @@ pub(crate) struct TrackedLoop {
 
 /// The loops that a channel is in; the last to jump back is at the end.
 #[derive(Debug, Default)]
-pub(crate) struct LoopTracker {
+pub struct LoopTracker {
     /// Something happened since the last jump back that a later pass could see.
-    pub(crate) effects: bool,
+    pub effects: bool,
     /// An own variable has changed since the last jump back, or a program was called. The same values at the start and
     /// at the end of a pass mean the same next pass.
     pub(crate) changes: bool,
@@ -74,7 +74,7 @@ impl LoopTracker {
 
     /// Time passes without any other effect, ns.
     #[inline]
-    pub(crate) fn dwell(&mut self, ns: i64) {
+    pub fn dwell(&mut self, ns: i64) {
         self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 

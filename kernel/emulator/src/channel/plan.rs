@@ -5,50 +5,53 @@ use std::sync::Arc;
 use super::Kernel;
 use super::actions::{Action, ActionTable};
 use super::custom_macro::CodeCalls;
+use super::data_plan::{DataPlan, DataSource};
 use super::hook_points::HookPoints;
 use super::names::WordNames;
+use super::plan_tables::PlanTables;
 use super::refusals::Refusals;
 use counterpoint_event::event::Motion;
 use counterpoint_fault::Acted;
+use counterpoint_fault::Halt;
 use counterpoint_machine::Machine;
-use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, data_facts, takes};
-use counterpoint_machine::index::{CodeRowId, DataRowId, IdTable, RegisterId};
-use counterpoint_machine::model::AxisRole;
-use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Register, TimeOverlap};
+use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, takes};
+use counterpoint_machine::index::{CodeRowId, IdTable, RegisterId};
+use counterpoint_machine::rows::{CodeForm, CodeRow, Register, TimeOverlap};
 use counterpoint_program::scan::LineScanner;
 use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
 use counterpoint_program::visible::RemarkDelimiters;
 
-/// Represents a remembered value among the registers of an identifier; no register has this bit, and every block has
-/// it.
-pub(crate) const RECALLED: u128 = 1 << 127;
-
 /// Compiled form of the machine for the block loop.
 pub struct ExecutionPlan {
     /// Where the macros of the machine take part; none on a machine without macros.
-    pub(crate) hooks: Option<&'static HookPoints>,
-    pub(crate) scanner: LineScanner,
+    pub hooks: Option<&'static HookPoints>,
+    /// Follows a program without executing it.
+    pub(crate) lint: fn(&mut Kernel<'_>) -> Halt,
+    /// Splits lines into words.
+    pub scanner: LineScanner,
     /// For text left by the pre-processor of another control, which has treated the marks of block skip.
-    pub(crate) unmarked: Option<Arc<LineScanner>>,
+    pub unmarked: Option<Arc<LineScanner>>,
     /// Action of each code row.
-    pub(crate) action_of_row: IdTable<CodeRowId, Option<&'static dyn Action>>,
+    pub action_of_row: IdTable<CodeRowId, Option<&'static dyn Action>>,
     /// Further requests to the actions.
-    pub(crate) actions: &'static ActionTable,
+    pub actions: &'static ActionTable,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// First enabled row of each code.
     pub(crate) rows_of_code: IdTable<CodeId, Option<CodeRowId>>,
-    pub(crate) registers: ScannedRegisters,
+    /// Registers by their use.
+    pub registers: ScannedRegisters,
     /// Names of words and codes.
     pub(crate) names: WordNames,
-    pub(crate) data: DataPlan,
-    pub(crate) edits: Edits,
+    /// Sources of data.
+    pub data: DataPlan,
+    /// Changes of the text of blocks.
+    pub edits: Edits,
     /// The effect of its blocks beyond their words.
-    pub(crate) rules: BlockRules,
+    pub rules: BlockRules,
     /// Treatment of motions that are not simply made: the macros of the machine see them, or they are recorded.
     pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// The plan by which contour blocks are read; none on machines without cycles that read them.
@@ -57,7 +60,7 @@ pub struct ExecutionPlan {
 
 /// Registers that a block is looked through for.
 #[derive(Debug)]
-pub(crate) struct ScannedRegisters {
+pub struct ScannedRegisters {
     /// That of the G letter, for macro calls of the pre-processor.
     pub(crate) g: Option<RegisterId>,
     /// That which defines programs (O).
@@ -65,10 +68,10 @@ pub(crate) struct ScannedRegisters {
     /// Those of the sequence numbers of the main and of the side head.
     pub(crate) head_sequences: [Option<RegisterId>; 2],
     /// Those whose words can move an axis or shape an arc, bit by register.
-    pub(crate) motion: u128,
+    pub motion: u128,
     /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do
     /// not.
-    pub(crate) contour: ContourRegisters,
+    pub contour: ContourRegisters,
     /// Those whose words are data for any value, one bit per register.
     pub(crate) only_data: u128,
     /// Those that carry the spindle speed, bit by register.
@@ -85,11 +88,11 @@ pub(crate) struct ScannedRegisters {
 
 /// Registers of corners and of directions of lines.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct ContourRegisters {
+pub struct ContourRegisters {
     /// On blocks with a straight move.
-    pub(crate) line: u128,
+    pub line: u128,
     /// On blocks with an arc: those that arcs have no other use for.
-    pub(crate) arc: u128,
+    pub arc: u128,
 }
 
 impl ContourRegisters {
@@ -103,28 +106,11 @@ impl ContourRegisters {
     }
 }
 
-/// Where data come from.
-#[derive(Debug)]
-pub(crate) struct DataPlan {
-    /// Registers that can supply each data identifier, bit by register.
-    pub(crate) registers_of: IdTable<DataId, u128>,
-    /// Where the values of each data identifier come from, in row order.
-    pub(crate) sources: IdTable<DataId, Vec<DataSource>>,
-    /// Data that are positions of X, where programs choose between diameter and radius.
-    pub(crate) diameter_x: Vec<DataId>,
-    /// Data rows that drop their word silently.
-    pub(crate) ignore: IdTable<DataRowId, bool>,
-    /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
-    pub(crate) recall: Option<IdTable<DataId, bool>>,
-    /// Registers whose word an identifier must not take (`process = false`), bit by register.
-    pub(crate) refused: IdTable<DataId, u128>,
-}
-
 /// Reasons why a block differs from its line.
 #[derive(Debug)]
-pub(crate) struct Edits {
+pub struct Edits {
     /// Rules of the tape editor.
-    pub(crate) tape: Option<Tape>,
+    pub tape: Option<Tape>,
     /// There is a tape editor, or a character that ends blocks, or a comment may end in front of one.
     pub(crate) reshapes: bool,
     /// Comments continue over lines.
@@ -137,28 +123,6 @@ impl Edits {
             tape: Tape::new(&machine.tape_editor, RemarkDelimiters::new(&machine.format, syntax)),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some() || machine.format.long_comments,
             long_comments: machine.format.long_comments,
-        }
-    }
-}
-
-impl DataPlan {
-    fn new(machine: &Machine) -> Self {
-        let diameter_x = diameter_x(machine);
-        let refused = refused(machine);
-        let recall = recall(machine);
-        let registers_of = |id: DataId, rows: &Vec<DataRowId>| {
-            let registers = rows.iter().filter_map(|&row| machine.data[row].register);
-            let recalled = recall.as_ref().is_some_and(|recall| recall[id]);
-            let remembered = if recalled { RECALLED } else { refused[id] & RECALLED };
-            registers.fold(remembered, |bits, register| bits | register.bit())
-        };
-        Self {
-            registers_of: machine.tables.rows_of_data.map(registers_of),
-            sources: sources(machine, &diameter_x),
-            ignore: machine.data.map(|_, row| !row.process),
-            diameter_x,
-            recall,
-            refused,
         }
     }
 }
@@ -205,14 +169,14 @@ impl ScannedRegisters {
 
 /// The rules of a control for blocks and values beyond the meaning of their words.
 #[derive(Debug)]
-pub(crate) struct BlockRules {
+pub struct BlockRules {
     /// Group within which only the last G code of a block acts, by code row, 0 for none; `None` where all act.
     pub(crate) exclusive: Option<IdTable<CodeRowId, u16>>,
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; none
     /// where values stay as they are.
     pub(crate) steps: Option<IdTable<RegisterId, [f64; 2]>>,
     /// The lead of a thread and the feed per revolution are one word that stays active (F of Fanuc controls).
-    pub(crate) lead_is_feed: bool,
+    pub lead_is_feed: bool,
     /// Circles may continue in the direction of the last move, which is kept for them.
     pub(crate) keeps_last_move: bool,
     /// Functions or spindles take their time beside other things.
@@ -239,62 +203,6 @@ impl BlockRules {
             length_moves: machine.compensation.length.moves,
         }
     }
-}
-
-/// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
-fn recall(machine: &Machine) -> Option<IdTable<DataId, bool>> {
-    let own = |kind: DataKind| kind.is_modal() || kind == DataKind::ThreadLead;
-    let of = |_, rows: &Vec<DataRowId>| {
-        let mut rows = rows.iter().map(|&row| &machine.data[row]);
-        rows.any(|row| row.modal && row.process && !own(row.id.kind()))
-    };
-    let recall = machine.tables.rows_of_data.map(of);
-    recall.iter().any(|recalled| *recalled).then_some(recall)
-}
-
-/// Data that every request needs; other data have a second form or a default without the word.
-pub(crate) const NEEDED: [DataId; 24] = [
-    data::SPINDLE_RPM,
-    data::SPINDLE_CSS,
-    data::SPINDLE_RPM_MAX,
-    data::FEED_UPM,
-    data::FEED_UPR,
-    data::FEED_1T,
-    data::DELAY,
-    data::DELAY_REV,
-    data::INTERP_THREAD_PITCH,
-    data::INTERP_THREAD_PITCH_VAR,
-    data::TOOL,
-    data::HEAD_ID,
-    data::COMP_DIAM,
-    data::COMP_LENGTH,
-    data::COMP_WORKP,
-    data::COMP_EXTFIXT_REG,
-    data::OFFSET_NUMBER,
-    data::OFFSET_VALUE,
-    data::GOHOME_NTH,
-    data::CALSUB_ID,
-    data::SYNC,
-    data::CYCLE_CLEAR,
-    data::CYCLE_STEP,
-    data::CYCLE_DWELL,
-];
-
-/// Registers of rows that are recognised but not processed.
-fn refused(machine: &Machine) -> IdTable<DataId, u128> {
-    let of = |_, rows: &Vec<DataRowId>| {
-        let rows = rows.iter().map(|&row| &machine.data[row]);
-        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register);
-        registers.fold(0, |bits, register| bits | register.bit())
-    };
-    let mut refused = machine.tables.rows_of_data.map(of);
-    // Data that actions need and whose rows are all off: every request is refused, regardless of the block.
-    for row in machine.data.iter().filter(|row| !row.enable && NEEDED.contains(&row.id)) {
-        if machine.tables.rows_of_data[row.id].is_empty() {
-            refused[row.id] = RECALLED;
-        }
-    }
-    refused
 }
 
 /// Group of the one-shot codes, which have none in the table of identifiers.
@@ -354,86 +262,6 @@ fn steps(machine: &Machine) -> Option<IdTable<RegisterId, [f64; 2]>> {
     machine.habits.rounded.then(|| machine.registers.map(of))
 }
 
-/// A data row, reduced to the fields for taking a value.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DataSource {
-    pub(crate) register: RegisterId,
-    pub(crate) modal: bool,
-    pub(crate) mul: f64,
-    pub(crate) add: f64,
-    pub(crate) min: f64,
-    pub(crate) max: f64,
-    pub(crate) dimension: Dimension,
-    /// Value of one increment of a number without a point in primary and secondary units, if it is not one in the last
-    /// digit of the register.
-    pub(crate) one: Option<[f64; 2]>,
-    /// A position of X, which may be programmed as a diameter or as a radius.
-    pub(crate) diameter_x: bool,
-    /// Row of the data table.
-    pub(crate) row: DataRowId,
-}
-
-/// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
-fn diameter_x(machine: &Machine) -> Vec<DataId> {
-    let chooses = |id| id == codes::XAXIS_DIAMETER || id == codes::XAXIS_RADIUS;
-    if !machine.codes.iter().any(|row| row.enable && chooses(row.id)) {
-        return Vec::new();
-    }
-    let axes = machine.axes.iter().filter(|axis| axis.role == AxisRole::X).map(|axis| axis.data);
-    let own = [
-        data::ARC_3D_POINT_X,
-        data::LCS_TRANS_X,
-        data::LCS_ROT_CENTER_X,
-        data::LCS_SCALE_CENTER_X,
-        data::THREAD_SINGLE_START_X,
-        data::THREAD_SINGLE_END_X,
-        data::THREAD_MULTI_START_X,
-        data::THREAD_MULTI_END_X,
-    ];
-    axes.chain(own).collect()
-}
-
-fn sources(machine: &Machine, diameter_x: &[DataId]) -> IdTable<DataId, Vec<DataSource>> {
-    let source = |&index: &DataRowId| {
-        let row = Some(&machine.data[index]).filter(|row| row.process)?;
-        Some(DataSource {
-            register: row.register?,
-            modal: row.modal,
-            mul: row.mul,
-            add: row.add,
-            min: row.min.unwrap_or(f64::NEG_INFINITY),
-            max: row.max.unwrap_or(f64::INFINITY),
-            dimension: row.dimension,
-            one: one(machine, row),
-            diameter_x: diameter_x.contains(&row.id),
-            row: index,
-        })
-    };
-    machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
-}
-
-/// Value of one increment of a number without a point for a row whose register counts least increments. Words with a
-/// factor of their own and plain numbers are as written, and the unit of angles and times does not change with that of
-/// lengths.
-fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
-    if row.increment.is_some() {
-        return row.increment;
-    }
-    let register = &machine.registers[row.register?];
-    if !register.counts {
-        return None;
-    }
-    match row.dimension {
-        Dimension::Increments => Some([1.0; 2]),
-        _ if row.mul != 1.0 => Some([1.0; 2]),
-        Dimension::None if data_facts(row.id).is_some() => Some([1.0; 2]),
-        Dimension::Angle | Dimension::Time if register.format.frac != register.secondary.frac => {
-            Some([10_f64.powi(-i32::from(register.format.frac)); 2])
-        }
-        _ => None,
-    }
-}
-
 /// First enabled row of each code.
 fn rows_of_code(machine: &Machine) -> IdTable<CodeId, Option<CodeRowId>> {
     let mut rows = machine.code_names.map(|_, _| None);
@@ -452,22 +280,18 @@ fn lead_is_feed(machine: &Machine) -> bool {
 
 impl ExecutionPlan {
     /// Where the values of an identifier come from.
-    pub(crate) fn sources_of(&self, id: DataId) -> &[DataSource] {
+    pub fn sources_of(&self, id: DataId) -> &[DataSource] {
         &self.data.sources[id]
     }
 
     /// Registers that can supply an identifier, bit by register.
-    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
+    pub fn registers_of(&self, id: DataId) -> u128 {
         self.data.registers_of[id]
     }
 
-    /// The plan for a machine, with the block skip levels that are on, its actions, and the hooks of its macros.
-    pub fn new(
-        machine: &Machine,
-        opskip: &[u8],
-        actions: &'static ActionTable,
-        hooks: Option<&'static HookPoints>,
-    ) -> Self {
+    /// The plan for a machine, with the block skip levels that are on and the functions that the kernel calls.
+    pub fn new(machine: &Machine, opskip: &[u8], tables: PlanTables) -> Self {
+        let PlanTables { actions, hooks, lint } = tables;
         let reads =
             |row: &CodeRow| row.enable && (matches!(row.id.kind(), CodeKind::Turning(_)) || row.id == codes::POCKET);
         let dialect = counterpoint_controls::of(machine);
@@ -476,6 +300,7 @@ impl ExecutionPlan {
         let syntax = dialect.syntax();
         Self {
             hooks,
+            lint,
             unmarked: syntax.needs_interpreter.map(|_| Arc::new(LineScanner::without_marks(machine, syntax))),
             scanner: LineScanner::new(machine, syntax, opskip),
             action_of_row: machine.codes.map(|_, row| (actions.of)(row.id)),
@@ -488,7 +313,8 @@ impl ExecutionPlan {
             data: DataPlan::new(machine),
             edits: Edits::new(machine, syntax),
             motion: hooks.map(|hooks| hooks.motion).or(actions.record),
-            reading: reading.map(|actions| Box::new(Self::new(machine, opskip, actions, None))),
+            reading: reading
+                .map(|actions| Box::new(Self::new(machine, opskip, PlanTables { actions, hooks: None, lint }))),
         }
     }
 }

@@ -38,7 +38,7 @@ impl Kernel<'_> {
     }
 
     /// Counts a diagnostic; false if it is one too many.
-    pub(crate) fn has_room(&mut self, alarm: bool) -> bool {
+    pub fn has_room(&mut self, alarm: bool) -> bool {
         let limit = self.channel.env.options.limits.diagnostics;
         self.channel.reports.diagnostics = self.channel.reports.diagnostics.saturating_add(1);
         if self.channel.reports.diagnostics > limit && !alarm {
@@ -57,8 +57,8 @@ impl Kernel<'_> {
     fn log_diagnostic(&mut self, facts: &DiagnosticFacts, text: String, stops: bool) {
         let errors = self.channel.reports.alarms.errors;
         if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
-            if self.plan.hooks.is_some() {
-                self.issue((facts.number, severity), text, (None, stops));
+            if let Some(hooks) = self.plan.hooks {
+                (hooks.diagnostic)(self, (facts.number, severity), text, stops);
             } else {
                 self.channel.reports.alarms.count(severity);
                 let text = shortened(&text);
@@ -81,7 +81,7 @@ impl Kernel<'_> {
     }
 
     /// Logs an alarm of the control and returns its effect: the channel stops, or the rest of the block is dropped.
-    pub(crate) fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
+    pub fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(if self.channel.env.machine.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
@@ -94,7 +94,7 @@ impl Kernel<'_> {
     /// Reports a call that does not find its program. Under lint the check continues after the call, unless other
     /// channels may wait in the missing program.
     #[cold]
-    pub(crate) fn program_missing(&mut self, text: String) -> Acted {
+    pub fn program_missing(&mut self, text: String) -> Acted {
         let stopping = self.channel.reports.alarms.stopping;
         let alarm = self.alarm(&diag::SUBPROGRAM_MISSING, text);
         let channels = self.channel.env.info.channels.iter().filter(|channel| !channel.program.is_empty()).count();
@@ -106,14 +106,14 @@ impl Kernel<'_> {
     }
 
     /// Logs an alarm that leaves nothing to continue with.
-    pub(crate) fn fatal(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
+    pub fn fatal(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(Halt::Alarm)
     }
 
     /// An alarm after which the machine continues ends its block; earlier requests of the block are still executed.
     #[inline(always)]
-    pub(crate) fn went_on(&mut self, done: Acted) -> Acted {
+    pub fn went_on(&mut self, done: Acted) -> Acted {
         if done == Err(Halt::Dropped) { self.goes_on() } else { done }
     }
 

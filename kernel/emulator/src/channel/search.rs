@@ -64,7 +64,7 @@ impl SearchLocation {
 
 impl Kernel<'_> {
     /// Looks a program up; one that was called by number before is known, unless macros say where programs are.
-    pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
+    pub fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
         if let Callee::ProgramFrom(number, first) = *what {
             let whole = self.find_program(&Callee::Program(number))?;
             return Ok(whole.and_then(|(file, range)| Some((file, begun_at(&self.channel, file, range, first)?))));
@@ -146,7 +146,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a range in the current file.
-    pub(crate) fn find_range(&mut self, what: &Callee) -> Option<ProgramRange> {
+    pub fn find_range(&mut self, what: &Callee) -> Option<ProgramRange> {
         let sources = self.channel.env.sources;
         let source = sources.get(self.channel.at.file)?;
         // A range is called by whole lines.
@@ -205,7 +205,7 @@ impl Kernel<'_> {
     /// Whether a code of the block calls a range.
     fn calls_range(&self, block: &Block) -> bool {
         let words = block.words.iter().flat_map(|word| self.channel.env.machine.tables.code(word.register, word.value));
-        words.chain(&block.texts).any(|&row| self.id_of_row(row) == codes::CALSUB_RANGE)
+        words.chain(&block.texts).any(|&row| self.channel.env.machine.codes[row].id == codes::CALSUB_RANGE)
     }
 
     /// A program of a file by name; `whole` takes the file from its top, regardless of its definitions.
@@ -259,7 +259,7 @@ impl Kernel<'_> {
     }
 
     /// The file of the machine's placement where something missing was looked for.
-    pub(crate) fn looked_for(&self, what: &Callee) -> String {
+    pub fn looked_for(&self, what: &Callee) -> String {
         let main =
             || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         let (each, one) = self.subprogram_files(what);

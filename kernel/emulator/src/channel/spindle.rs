@@ -26,7 +26,7 @@ fn reverses(before: SpindleDirection, after: SpindleDirection) -> bool {
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
-    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
+    pub fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
         let Some(id) = self.channel.state.spindle.id else {
             let text =
                 format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.channel.block_text());
@@ -74,7 +74,7 @@ impl Kernel<'_> {
     }
 
     /// Changes the commanded state as a macro wants it: without an event and without time.
-    pub(crate) fn set_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
+    pub fn set_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
         let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
         if !self.channel.state.spindle.shared {
             change(&mut self.channel.state.spindle.command);
@@ -134,7 +134,7 @@ impl Kernel<'_> {
     }
 
     /// Commanded state of the channel's spindle as of now.
-    pub(crate) fn current(&mut self) -> Result<SpindleCommand, Halt> {
+    pub fn current(&mut self) -> Result<SpindleCommand, Halt> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
@@ -160,7 +160,7 @@ impl Kernel<'_> {
     }
 
     /// How the spindle turns now, `None` when it is stopped.
-    pub(crate) fn spindle_speed(&mut self) -> Result<Option<SpindleRotation>, Halt> {
+    pub fn spindle_speed(&mut self) -> Result<Option<SpindleRotation>, Halt> {
         let command = self.current()?;
         // A synchronised tap turns the spindle itself.
         let turns = matches!(command.direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise);

@@ -80,7 +80,7 @@ impl Kernel<'_> {
     }
 
     /// Lets the interpreter work. While it does, blocks within its block get another one, if the dialect allows that.
-    pub(crate) fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
+    pub fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
         let Some(mut interpreter) = self.dialect.interpreter.take() else {
             let mut nested = self.dialect.kind.nested()?;
             return Some(work(&mut *nested, self));
@@ -94,7 +94,7 @@ impl Kernel<'_> {
     }
 
     /// Marks data that the interpreter has read of programs as invalid.
-    pub(crate) fn forget_lines(&mut self) {
+    pub fn forget_lines(&mut self) {
         match self.dialect.interpreter.as_deref_mut() {
             Some(interpreter) => interpreter.forget_lines(),
             None => self.dialect.is_stale = true,
@@ -108,14 +108,16 @@ impl Kernel<'_> {
         }
     }
 
-    pub(crate) fn interpreter_start(&mut self) {
+    /// Tells the interpreter that a program starts.
+    pub fn interpreter_start(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_start(kernel));
         }
     }
 
+    /// Tells the interpreter that a subprogram starts.
     #[inline]
-    pub(crate) fn interpreter_call(&mut self) {
+    pub fn interpreter_call(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_call(kernel));
         }
@@ -128,8 +130,9 @@ impl Kernel<'_> {
         }
     }
 
+    /// Tells the interpreter that a subprogram has returned.
     #[inline]
-    pub(crate) fn interpreter_return(&mut self) {
+    pub fn interpreter_return(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_return(kernel));
         }

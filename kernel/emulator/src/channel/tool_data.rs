@@ -24,7 +24,7 @@ const LONGEST_NAME: usize = 80;
 
 impl Kernel<'_> {
     /// Called when the tool in use has been loaded, or another offset is active.
-    pub(crate) fn report_tool(&mut self) {
+    pub fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let current = self.channel.state.place.tools.current;
         let nothing = tables.data.is_empty()
@@ -38,7 +38,7 @@ impl Kernel<'_> {
 
     /// Macros have written into the tool table.
     #[cold]
-    pub(crate) fn report_tools(&mut self) {
+    pub fn report_tools(&mut self) {
         for at in 0.. {
             let Some(tool) = self.macros.tools.loaded().get(at).copied() else { break };
             self.report_tool_data(self.tool_data(tool));

@@ -186,7 +186,7 @@ impl Kernel<'_> {
     /// Reports a circle that is straight for its axes and turns one of them back beyond its limits, at `values` in
     /// radius.
     #[cold]
-    pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
+    pub fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
         if self.channel.state.place.layout.bounds.limited
             && beyond(&self.channel, to, NOISE, LimitKind::Travel).is_none()
         {

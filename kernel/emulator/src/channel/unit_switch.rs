@@ -8,7 +8,7 @@ use crate::channel::Kernel;
 
 /// Reads words in the other unit of the machine from now on, or again in its own. The log shows the change as that by a
 /// code.
-pub(crate) fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) {
+pub fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) {
     kernel.activate_code(if secondary { codes::UNITS_SECONDARY } else { codes::UNITS_PRIMARY });
     kernel.channel.reports.unit_named = true;
     if kernel.channel.state.secondary != secondary {

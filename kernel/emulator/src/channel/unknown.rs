@@ -88,7 +88,7 @@ impl Kernel<'_> {
     /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel; `computed`:
     /// the block may have the words that its codes need.
     #[cold]
-    pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>, computed: bool) {
+    pub fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>, computed: bool) {
         let stopping = self.channel.reports.alarms.stopping;
         for part in self.unknown_parts() {
             if computed && self.needs(&shortened(&part)).is_some() {

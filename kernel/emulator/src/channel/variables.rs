@@ -19,7 +19,7 @@ type Locals = [f64; 34];
 
 /// Variables that only this channel sees.
 #[derive(Debug)]
-pub(crate) struct ChannelVariables {
+pub struct ChannelVariables {
     calls: CallStack<Locals>,
     own: FxHashMap<u32, f64>,
     /// Print of those that have been written: equal while their values are.
@@ -63,7 +63,7 @@ impl ChannelVariables {
     }
 
     /// A macro call: fresh locals with the arguments.
-    pub(crate) fn enter(&mut self, arguments: &[(u8, f64)]) {
+    pub fn enter(&mut self, arguments: &[(u8, f64)]) {
         let mut locals = [VACANT; 34];
         for &(number, value) in arguments {
             if let Some(slot) = locals.get_mut(usize::from(number)) {
@@ -75,7 +75,7 @@ impl ChannelVariables {
     }
 
     /// Return from a macro call.
-    pub(crate) fn leave(&mut self) {
+    pub fn leave(&mut self) {
         self.calls.leave();
         self.writes += 1;
     }
@@ -91,7 +91,7 @@ impl ChannelVariables {
     }
 
     /// Takes the place of these.
-    pub(crate) fn follow(&mut self, before: &Self) {
+    pub fn follow(&mut self, before: &Self) {
         self.writes = self.writes.max(before.writes) + 1;
     }
 
@@ -161,7 +161,7 @@ impl Kernel<'_> {
     /// # Errors
     /// It does not exist, or the job was stopped.
     #[inline(never)]
-    pub(crate) fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
+    pub fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
         match self.value_of(index) {
             Ok(value) if !is_vacant(value) => Ok(value),
             Err(NotThere::Halt(halt)) => Err(NotThere::Halt(halt)),
@@ -201,7 +201,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It does not exist or cannot be written, or the job was stopped.
-    pub(crate) fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
+    pub fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
         match index {
             1..=33 => {
                 // Writing the same value changes nothing for the next pass.

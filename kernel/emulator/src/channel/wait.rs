@@ -38,7 +38,7 @@ impl Kernel<'_> {
     }
 
     /// Waits for other channels.
-    pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
+    pub fn wait(&mut self, wait: wait::Wait) -> Acted {
         self.compare_last_speed()?;
         if !self.channel.state.others.couplings.is_empty() {
             self.wait_coupled(wait)?;
@@ -80,7 +80,7 @@ impl Kernel<'_> {
     }
 
     /// Executes an act at which other channels may continue; it is shown as this wait would be.
-    pub(crate) fn let_continue(&mut self, act: wait::WaitOp, shown: wait::Wait) -> Acted {
+    pub fn let_continue(&mut self, act: wait::WaitOp, shown: wait::Wait) -> Acted {
         self.channel.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(!matches!(act, wait::WaitOp::Signal(_)), None)?;

@@ -23,7 +23,7 @@ use counterpoint_channel::modal::group;
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, lets the codes act, and treats the remaining words.
     #[inline]
-    pub(crate) fn codes(&mut self, origin: BlockOrigin) -> Acted {
+    pub fn codes(&mut self, origin: BlockOrigin) -> Acted {
         let hooks = self.plan.hooks;
         if origin == BlockOrigin::Text && (self.categorise() || self.flow.calls_each_block(&self.channel.block)) {
             return self.macro_call();
@@ -82,7 +82,7 @@ impl Kernel<'_> {
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
     #[inline(always)]
-    pub(crate) fn categorise(&mut self) -> bool {
+    pub fn categorise(&mut self) -> bool {
         let machine = self.channel.env.machine;
         let mut conditional = false;
         let mut call = self.plan.code_calls.is_some() && self.calls_by_code();
@@ -229,7 +229,7 @@ impl Kernel<'_> {
     }
 
     /// The same for a code that data fire: it acts only if some of them are left by then.
-    pub(crate) fn queue_by_data(&mut self, group: u16) {
+    pub fn queue_by_data(&mut self, group: u16) {
         let before = self.channel.block.pending.len();
         queue_modal(&mut self.channel, group);
         // Alone in its block it finds the data that fire it.
@@ -248,13 +248,14 @@ impl Kernel<'_> {
             || self.has_calling_data(group)
     }
 
-    pub(crate) fn group_queued(&self, group: u16) -> bool {
+    /// Whether a code of a group is to act on this block.
+    pub fn group_queued(&self, group: u16) -> bool {
         self.channel.block.pending.iter().any(|f| self.channel.env.machine.codes[f.row].group == group)
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
     #[inline(always)]
-    pub(crate) fn sort(&mut self) {
+    pub fn sort(&mut self) {
         let pending = &mut self.channel.block.pending;
         for end in 1..pending.len() {
             let mut at = end;
@@ -317,7 +318,7 @@ impl Kernel<'_> {
     /// Steps before a code acts: it is remembered if it is a function, hands over its data, becomes active in its modal
     /// group.
     #[inline(always)]
-    pub(crate) fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
+    pub fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
         if !pending.modal
             && let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
             && Some(register) == self.plan.registers.function
@@ -337,7 +338,7 @@ impl Kernel<'_> {
 
     /// The built-in action of a code.
     #[inline(always)]
-    pub(crate) fn perform(&mut self, row: &CodeRow, pending: PendingCode) -> Acted {
+    pub fn perform(&mut self, row: &CodeRow, pending: PendingCode) -> Acted {
         let result = match self.plan.action_of_row[pending.row] {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
@@ -358,7 +359,7 @@ impl Kernel<'_> {
     }
 
     /// A code that nothing handles (reference control-emulator.md 2.3).
-    pub(crate) fn without_action(&mut self, id: CodeId) {
+    pub fn without_action(&mut self, id: CodeId) {
         let name = self.channel.env.machine.code_name(id).to_owned();
         if name == "CODE_IGNORE" {
             return;
@@ -377,7 +378,7 @@ impl Kernel<'_> {
 
     /// Loads the start state of the machine: these codes become active without acting. A form of the tool direction
     /// among them is the one in which programs write directions.
-    pub(crate) fn initial_codes(&mut self) {
+    pub fn initial_codes(&mut self) {
         for &id in &self.channel.env.machine.initial {
             let row = self.channel.env.machine.codes.entries().find(|(_, row)| row.id == id);
             if let Some((index, row)) = row {
@@ -412,7 +413,7 @@ pub(crate) fn queue_modal(channel: &mut ChannelContext<'_>, group: u16) {
 
 /// Value that a code hands over as data.
 #[inline]
-pub(crate) fn data_of_code(machine: &Machine, row: &CodeRow, pending: PendingCode) -> Option<Handed> {
+pub fn data_of_code(machine: &Machine, row: &CodeRow, pending: PendingCode) -> Option<Handed> {
     match row.form {
         CodeForm::RegisterAsData { register, data, .. } => {
             let raw = pending.value * row.mul + row.add;

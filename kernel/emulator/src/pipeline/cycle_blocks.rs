@@ -59,7 +59,7 @@ impl Kernel<'_> {
             }
         }
         if let Some(modes) = modes.filter(|modes| *modes != self.channel.state.modal.saved()) {
-            self.put_modes_back(&modes);
+            counterpoint_channel::units::put_modes_back(&mut self.channel, &modes);
         }
         let level = self.flow.frames.len() as u16;
         self.channel.emitter.emit_as(&self.channel.at, 0, |kind| *kind = Kind::Return(Return { level }));

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use crate::trace;
 use crate::trace::TextStage;
-use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_program::source::ProgramSource;
@@ -16,7 +15,7 @@ use counterpoint_program::spot::BlockStart;
 use counterpoint_program::tape::Within;
 
 /// The text of a block.
-pub(crate) enum Reshaped<'l> {
+pub enum Reshaped<'l> {
     /// The text of the line up to the character that ends it.
     Line(&'l [u8]),
     /// One of several blocks of the line, or the result of the tape editor.
@@ -25,7 +24,7 @@ pub(crate) enum Reshaped<'l> {
 
 impl Reshaped<'_> {
     /// The text.
-    pub(crate) fn text(&self) -> &[u8] {
+    pub fn text(&self) -> &[u8] {
         match self {
             Self::Line(text) => text,
             Self::Own(text) => text,
@@ -39,7 +38,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// A rule of the tape editor makes the block too long, or the job is to end.
-    pub(crate) fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
+    pub fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
         let (block, only) = self.part(line, number);
         let mut text = (!only).then(|| Arc::from(block));
         if let Some(tape) = &self.plan.edits.tape {
@@ -79,7 +78,7 @@ impl Kernel<'_> {
     /// Whether blocks of a file may differ from its lines: the tape editor changes them, or a character that ends
     /// blocks is somewhere in the file.
     #[inline(always)]
-    pub(crate) fn is_reshaped(&mut self, source: &ProgramSource) -> bool {
+    pub fn is_reshaped(&mut self, source: &ProgramSource) -> bool {
         let tape = self.plan.edits.tape.as_ref();
         if tape.is_some_and(|tape| !tape.leaves_alone(source, &self.channel.text.tape.0))
             || self.plan.scanner.eob().is_some_and(|eob| source.has(eob))
@@ -109,7 +108,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a line that are not blank, each with the byte after its end.
-    pub(crate) fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
+    pub fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
         let (mut from, mut found) = (0, Vec::new());
         while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
             let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());
@@ -123,7 +122,7 @@ impl Kernel<'_> {
     }
 
     /// Text of the block before or after the current one, none at the ends of the program. A line may have several.
-    pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
+    pub fn neighbour(&self, behind: bool) -> Option<String> {
         let frame = self.flow.frames.last()?;
         let source = self.channel.env.sources.get(frame.file)?;
         let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
@@ -169,10 +168,4 @@ impl Kernel<'_> {
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
         }
     }
-}
-
-/// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
-pub(crate) fn is_line_without(channel: &ChannelContext<'_>, byte: u8) -> bool {
-    let source = || channel.env.sources.get(channel.at.file);
-    channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
 }

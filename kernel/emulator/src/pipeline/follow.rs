@@ -20,7 +20,7 @@ use counterpoint_channel::figure::CopiedFigure;
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.
     #[inline(always)]
-    pub(crate) fn follow(&mut self) -> Acted {
+    pub fn follow(&mut self) -> Acted {
         self.channel.check_stop()?;
         if self.plan.rules.overlaps {
             self.end_functions();
@@ -64,7 +64,7 @@ impl Kernel<'_> {
     }
 
     /// Records the request of the block for its end: the last call or return counts, an end code in any case.
-    pub(crate) fn ask(&mut self, pending: Pending) {
+    pub fn ask(&mut self, pending: Pending) {
         match &self.flow.pending {
             Some(Pending::End(_)) => return,
             Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => {
@@ -213,7 +213,7 @@ impl Kernel<'_> {
     }
 
     /// Return of a subprogram, or of the main program.
-    pub(crate) fn return_from(&mut self, target: Option<u32>) -> Acted {
+    pub fn return_from(&mut self, target: Option<u32>) -> Acted {
         if self.flow.frames.len() <= 1 {
             return self.main_return(target);
         }
@@ -296,7 +296,7 @@ impl Kernel<'_> {
     }
 
     /// The block with a sequence number: searches forward first, then from the top of the program.
-    pub(crate) fn find_sequence(&mut self, number: u32) -> Result<BlockStart, Halt> {
+    pub fn find_sequence(&mut self, number: u32) -> Result<BlockStart, Halt> {
         let sources = self.channel.env.sources;
         let frame = self.flow.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
         let found = frame.and_then(|(file, range, next)| {
@@ -311,7 +311,7 @@ impl Kernel<'_> {
     }
 
     /// Continues at a line of the current program; a jump back ends a pass of a loop.
-    pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
+    pub fn jump_to_line(&mut self, line: u32) -> Acted {
         self.jump_to(BlockStart::line(line))
     }
 

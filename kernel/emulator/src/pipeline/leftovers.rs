@@ -141,7 +141,7 @@ impl Kernel<'_> {
     }
 
     /// Treats a program name: at the start of its block it defines the program; elsewhere it is unknown text.
-    pub(crate) fn left_name(&mut self) {
+    pub fn left_name(&mut self) {
         let Some((start, _)) = self.channel.block.name() else { return };
         let line = self.channel.text_bytes();
         let before = line.get(..start as usize).unwrap_or_default();

@@ -1,6 +1,12 @@
 //! Operator messages of a block.
 
+use counterpoint_channel::burden::shortened;
+use counterpoint_channel::macros::store::names;
+use counterpoint_event::event::{Kind, OperatorMessage};
+use counterpoint_lang::value::MacroValue;
+
 use crate::channel::Kernel;
+use crate::trace;
 
 impl Kernel<'_> {
     #[cold]
@@ -17,5 +23,15 @@ impl Kernel<'_> {
             self.display(String::from_utf8_lossy(text).trim());
         }
         self.channel.block.messages.clear();
+    }
+
+    /// A message to the operator.
+    pub fn display(&mut self, text: &str) {
+        let text = shortened(text);
+        if self.plan.hooks.is_some() {
+            self.macros.variables.store.set(names().display, MacroValue::text(text));
+        }
+        self.trace('C', |_| trace::code("CODE_DISPLY"));
+        self.channel.emit(0, Kind::Message(OperatorMessage { text: text.into(), printed: false }));
     }
 }

@@ -5,13 +5,13 @@
 //! any source of their text or words. Facts: reference control-emulator.md 2.2, 2.3.
 
 mod beside_motion;
-pub(crate) mod codes;
+pub mod codes;
 mod conditions;
 mod contour;
 mod cycle_blocks;
 mod data_blocks;
 mod definitions;
-pub(crate) mod edit;
+pub mod edit;
 mod follow;
 mod leftovers;
 mod length_words;
@@ -33,7 +33,7 @@ use counterpoint_program::scan::ScanResult;
 impl Kernel<'_> {
     /// Processes a block from its text to its remaining words: edit, pre-process, split, codes, leftovers.
     #[inline(always)]
-    pub(crate) fn block(&mut self, text: &[u8]) -> Acted {
+    pub fn block(&mut self, text: &[u8]) -> Acted {
         let hooks = self.plan.hooks;
         let edited = match hooks {
             Some(hooks) => (hooks.block.edit)(self)?,
@@ -63,7 +63,7 @@ impl Kernel<'_> {
     }
 
     /// Continues with the words of a block: messages, codes, leftovers.
-    pub(crate) fn words(&mut self) -> Acted {
+    pub fn words(&mut self) -> Acted {
         let hooks = self.plan.hooks;
         if let Some(hooks) = hooks
             && !(hooks.block.words)(self)?

@@ -16,7 +16,7 @@ use counterpoint_program::source::ProgramSource;
 
 impl Kernel<'_> {
     /// Runs blocks until something ends the program.
-    pub(crate) fn program(&mut self) -> Halt {
+    pub fn program(&mut self) -> Halt {
         loop {
             if let Err(halt) = self.next_block() {
                 return self.end_compensation(halt);
@@ -26,7 +26,7 @@ impl Kernel<'_> {
 
     /// One block, within another one.
     #[inline(never)]
-    pub(crate) fn step(&mut self) -> Acted {
+    pub fn step(&mut self) -> Acted {
         self.next_block()
     }
 
@@ -139,7 +139,7 @@ impl Kernel<'_> {
 
     /// The block before a rewind-stop at the end of its line, where one may be there.
     #[inline(always)]
-    pub(crate) fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
+    pub fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
         let format = &self.channel.env.machine.format;
         // The last byte decides about most blocks.
         if !format.rws_inline || text.trim_ascii_end().last() != format.rws.as_bytes().last() {
@@ -171,7 +171,7 @@ impl Kernel<'_> {
 
     /// Counts the block, publishes how far this kernel is, and checks the limits.
     #[inline(always)]
-    pub(crate) fn begin_block(&mut self) -> Acted {
+    pub fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
         self.channel.keep_pace();
         self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
@@ -213,8 +213,9 @@ impl Kernel<'_> {
         if self.channel.state.place.frames.is_some() { self.flush_old() } else { Ok(()) }
     }
 
+    /// Whether a line is the rewind stop.
     #[inline(always)]
-    pub(crate) fn is_rewind_stop(&self, text: &[u8]) -> bool {
+    pub fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let format = &self.channel.env.machine.format;
         let begins = text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
         begins && is_stop(text, format)
@@ -236,7 +237,7 @@ impl Kernel<'_> {
     }
 
     /// The text of a program ends without an end or return code.
-    pub(crate) fn text_ends(&mut self) -> Acted {
+    pub fn text_ends(&mut self) -> Acted {
         if self.flow.frames.last().is_some_and(|frame| frame.closes) {
             return self.return_from(None);
         }
@@ -256,7 +257,8 @@ impl Kernel<'_> {
         whole.is_some_and(|whole| sections::ends_for_all(self.channel.env.machine, whole, self.channel.at.channel))
     }
 
-    pub(crate) fn too_long(&mut self, length: usize) -> Halt {
+    /// Reports a block that is longer than the job allows.
+    pub fn too_long(&mut self, length: usize) -> Halt {
         let limit = self.channel.env.options.limits.block_length;
         let text = format!("line {} has {length} bytes, a block may have {limit}", self.channel.at.line);
         self.alarm(&diag::BLOCK_TOO_LONG, text)

@@ -9,7 +9,7 @@ use counterpoint_program::scan::ScanResult;
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.
     #[inline(always)]
-    pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> ScanResult {
+    pub fn split(&mut self, text: &[u8], preprocess: bool) -> ScanResult {
         // Without macros a known one does not come here.
         if preprocess && self.flow.repeats && self.plan.hooks.is_some() && self.is_known_statement() {
             return ScanResult::Statement;
@@ -30,7 +30,7 @@ impl Kernel<'_> {
     }
 
     /// Splits the text of the block again, as macros have changed it; the pre-processor has had its turn.
-    pub(crate) fn split_again(&mut self) {
+    pub fn split_again(&mut self) {
         let Some(text) = self.channel.context.text.clone() else { return };
         self.split(text.as_bytes(), false);
     }

@@ -6,7 +6,7 @@ use counterpoint_lang::format::wildcard_text;
 
 /// A stage that changes the text of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum TextStage {
+pub enum TextStage {
     /// Tape editor.
     TapeEditor,
     /// Block delete, an active level: without the skipped part.
@@ -23,7 +23,7 @@ pub(crate) enum TextStage {
 
 /// `·TapEdt·:·text`.
 #[must_use]
-pub(crate) fn edited(stage: TextStage, text: &str) -> String {
+pub fn edited(stage: TextStage, text: &str) -> String {
     let header = match stage {
         TextStage::TapeEditor => "TapEdt",
         TextStage::DeleteOn => "DelOn",
@@ -37,49 +37,49 @@ pub(crate) fn edited(stage: TextStage, text: &str) -> String {
 
 /// `·X:12.`.
 #[must_use]
-pub(crate) fn word(register: &str, value: &str) -> String {
+pub fn word(register: &str, value: &str) -> String {
     format!(" {register}:{value}")
 }
 
 /// `····reg_seqno·50`.
 #[must_use]
-pub(crate) fn sequence(number: u32) -> String {
+pub fn sequence(number: u32) -> String {
     format!("    reg_seqno {number}")
 }
 
 /// `··code_rapid`.
 #[must_use]
-pub(crate) fn code(name: &str) -> String {
+pub fn code(name: &str) -> String {
     format!("  {}", name.to_lowercase())
 }
 
 /// `··code_comment·(ignored)`.
 #[must_use]
-pub(crate) fn ignored(name: &str) -> String {
+pub fn ignored(name: &str) -> String {
     format!("  {} (ignored)", name.to_lowercase())
 }
 
 /// `····reg_axis_x·30`.
 #[must_use]
-pub(crate) fn data(name: &str, value: f64) -> String {
+pub fn data(name: &str, value: f64) -> String {
     format!("    {} {}", name.to_lowercase(), wildcard_text(value))
 }
 
 /// `·Macro:*·Entering name (CODE_…)`; `matching` is empty for other macros than code and data macros.
 #[must_use]
-pub(crate) fn entering(name: &str, matching: &str) -> String {
+pub fn entering(name: &str, matching: &str) -> String {
     format!(" Macro:* Entering {}", named(name, matching))
 }
 
 /// `·Macro:··statement`, before it is executed.
 #[must_use]
-pub(crate) fn statement(text: &str) -> String {
+pub fn statement(text: &str) -> String {
     format!(" Macro:  {}", text.trim())
 }
 
 /// `·Macro:*·Leaving name (CODE_…), Returning to regular processing`; `outer` is the macro it returns to.
 #[must_use]
-pub(crate) fn leaving(name: &str, matching: &str, outer: Option<&str>) -> String {
+pub fn leaving(name: &str, matching: &str, outer: Option<&str>) -> String {
     format!(" Macro:* Leaving {}, Returning to {}", named(name, matching), outer.unwrap_or("regular processing"))
 }
 
@@ -89,13 +89,13 @@ fn named(name: &str, matching: &str) -> String {
 
 /// `······|·action`.
 #[must_use]
-pub(crate) fn action(text: &str) -> String {
+pub fn action(text: &str) -> String {
     format!("      | {text}")
 }
 
 /// `exec:·parameters`.
 #[must_use]
-pub(crate) fn exec(parameters: &str) -> String {
+pub fn exec(parameters: &str) -> String {
     format!("exec: {parameters}")
 }
 

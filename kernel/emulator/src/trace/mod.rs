@@ -9,9 +9,7 @@
 
 mod lines;
 
-pub(crate) use lines::{
-    TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
-};
+pub use lines::{TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
 use counterpoint_channel::burden::shortened;
@@ -23,12 +21,12 @@ use counterpoint_machine::number::written;
 use counterpoint_machine::rows::CodeForm;
 
 /// Letter of actions. Most are read from the events; an action without an event is a line of its own.
-pub(crate) const ACTION: char = 'A';
+pub const ACTION: char = 'A';
 
 impl Kernel<'_> {
     /// Adds a line of a letter, if it is wanted.
     #[inline(always)]
-    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
+    pub fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if self.channel.env.trace.is_some() {
             self.trace_wanted(letter, line);
         }
@@ -44,7 +42,7 @@ impl Kernel<'_> {
     }
 
     /// Adds an action that takes the place of that of the next event, if actions are wanted.
-    pub(crate) fn trace_instead(&mut self, text: &str) {
+    pub fn trace_instead(&mut self, text: &str) {
         if traces(&self.channel, ACTION) {
             let text = shortened(&action(text)).into();
             self.channel.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
@@ -83,7 +81,7 @@ impl Kernel<'_> {
     }
 
     /// The literal text of a row of the code table.
-    pub(crate) fn literal_of(&self, row: CodeRowId) -> Option<&str> {
+    pub fn literal_of(&self, row: CodeRowId) -> Option<&str> {
         match &self.channel.env.machine.codes[row].form {
             CodeForm::Text(text) => Some(text),
             _ => None,
@@ -118,13 +116,13 @@ impl Kernel<'_> {
 
     /// A code is ignored.
     #[inline(always)]
-    pub(crate) fn trace_ignored(&mut self, id: CodeId) {
+    pub fn trace_ignored(&mut self, id: CodeId) {
         self.trace('C', |kernel| ignored(kernel.channel.env.machine.code_name(id)));
     }
 
     /// An action took a value.
     #[inline(always)]
-    pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
+    pub fn trace_data(&mut self, id: DataId, value: f64) {
         self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
     }
 }

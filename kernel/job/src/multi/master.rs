@@ -5,6 +5,7 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::MacroValue;
+use counterpoint_macro_host as macros;
 
 use super::Assembly;
 use super::again::{self, Again, At};
@@ -54,7 +55,8 @@ impl<'a> Assembly<'a> {
             store.set_element(names.kernel_name, (at, 0), MacroValue::text(number.name.as_str()));
             store.set_element(names.kernel_channel, (at, 0), MacroValue::Real(f64::from(number.number)));
         }
-        let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
+        let done =
+            macros::run(&mut kernel, Hook::Declaration).and_then(|()| macros::run(&mut kernel, Hook::MachineStartup));
         if let Err(halt) = done {
             kernel.report_softened(halt);
         }
@@ -127,7 +129,8 @@ impl<'a> Assembly<'a> {
             let set = kernel.macros.variables.store.element(names().kernel_name, (at, 0));
             set.and_then(MacroValue::as_text).unwrap_or("").to_owned()
         };
-        let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
+        let given =
+            (1..).take(machine.channels.len()).map(|at| (program(at), name(at), macros::model_channel(&kernel, at)));
         // The master starts once, so nothing is there yet.
         let _ = self.given.set(given.collect());
         let memory = Some(kernel.into_master());
@@ -149,11 +152,11 @@ impl<'a> Assembly<'a> {
         let mut kept = Vec::new();
         let mut kernel = self.kernel(channel, self.control.spare(), ChunkTarget::Kept(&mut kept), WaitMethod::Thread);
         kernel.take_over_master(memory.take()?, (t, micro));
-        let done = kernel.plain_macro(Hook::MachineShutdown);
+        let done = macros::run(&mut kernel, Hook::MachineShutdown);
         if let Err(halt) = done {
             kernel.report_softened(halt);
         }
-        kernel.close_files(Halt::ProgramEnd(None));
+        macros::close_files(&mut kernel, Halt::ProgramEnd(None));
         let restart = kernel.macros.course.restart.take();
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
         let again = restart.and_then(|restart| again::restarted(&mut kernel, restart, wrong));

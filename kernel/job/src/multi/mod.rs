@@ -362,9 +362,10 @@ impl<'a> Assembly<'a> {
         let emitter = Emitter::new(channel.number, coordinator, target);
         let stepper = director.map(|director| director as &dyn Stepper);
         let ports = Ports { coordinator, control, progress, stepper };
-        let mut kernel = Kernel::new(Setup { env, emitter, ports, plan, components }, channel).with_macros(macros);
+        let mut kernel = Kernel::new(Setup { env, emitter, ports, plan, components }, channel);
+        counterpoint_macro_host::set_up(&mut kernel, macros);
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
-            kernel.set_program_of(at, program, name, *channel);
+            counterpoint_macro_host::set_program_of(&mut kernel, at, program, name, *channel);
         }
         kernel
     }

@@ -15,7 +15,7 @@ use crate::channel::hook_points::BlockOrigin;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
-    pub(crate) fn macro_call(&mut self) -> Acted {
+    pub fn macro_call(&mut self) -> Acted {
         let own = self.flow.code_macro.take();
         let word = own.as_deref().map(|call| (call.register, call.by.value));
         let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);

@@ -29,7 +29,7 @@ pub(crate) enum WordKind {
 
 /// Which word has called.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CallingWord {
+pub struct CallingWord {
     pub(crate) kind: WordKind,
     /// Common variable that gets the value of the word.
     pub(crate) variable: Option<u32>,
@@ -152,7 +152,7 @@ impl Kernel<'_> {
     }
 
     /// Takes the program name off the block.
-    pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
+    pub fn take_name(&mut self) -> Option<Arc<str>> {
         let (start, end) = self.channel.block.take_name()?;
         let line = self.channel.text_bytes();
         let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;

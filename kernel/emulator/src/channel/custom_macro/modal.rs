@@ -16,8 +16,8 @@ use crate::channel::flow::ProgramFlow;
 
 /// A macro that blocks call.
 #[derive(Debug)]
-pub(crate) struct ModalCall {
-    pub(crate) what: Callee,
+pub struct ModalCall {
+    pub what: Callee,
     pub(crate) passes: u32,
     /// Local variables of its macro: the arguments, and the values that the calls have left in them.
     pub(crate) arguments: Vec<(u8, f64)>,
@@ -31,7 +31,7 @@ pub(crate) struct ModalCall {
 
 /// The active modal calls, the last one made at the end.
 #[derive(Debug, Default)]
-pub(crate) struct ModalCalls {
+pub struct ModalCalls {
     calls: Vec<ModalCall>,
     /// The modal call that makes the next call.
     calling: Option<usize>,
@@ -53,7 +53,7 @@ impl ModalCalls {
     }
 
     /// Takes the last one away.
-    pub(crate) fn pop(&mut self) -> Option<ModalCall> {
+    pub fn pop(&mut self) -> Option<ModalCall> {
         self.calls.pop()
     }
 
@@ -131,7 +131,7 @@ impl ProgramFlow {
 
     /// Whether the words of a block are the arguments of a modal call.
     #[inline(always)]
-    pub(crate) fn calls_each_block(&self, block: &Block) -> bool {
+    pub fn calls_each_block(&self, block: &Block) -> bool {
         !self.modal.is_empty() && self.is_argument_block(block)
     }
 

@@ -332,7 +332,7 @@ impl FrameHost for Kernel<'_> {
     }
 
     fn restore_modes(&mut self, modes: &ModalSnapshot) {
-        self.put_modes_back(&modes.0);
+        counterpoint_channel::units::put_modes_back(&mut self.channel, &modes.0);
     }
 }
 

@@ -1,0 +1,77 @@
+//! Polar coordinate command: the words of the plane are a radius and an angle until it is cancelled.
+//!
+//! *Invariant:* only words of target positions are read so; words of presets, offsets, frames and centres keep their
+//! meaning. Decisions: docs/emulation.md, "Polar coordinate command".
+
+use counterpoint_event::event::Position;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_program::block::RetrievedValue;
+
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect};
+use counterpoint_channel::frame_transforms::PolarWords;
+use counterpoint_channel::modal::{group, plane};
+
+/// Codes with their actions.
+pub(crate) const ENTRIES: &[ActionEntry] = &[
+    ActionEntry::of(&[codes::POLAR_WORDS_ON], |act, _, _| switch(act, true)).contour(CompensationEffect::Waits),
+    ActionEntry::of(&[codes::POLAR_WORDS_OFF], |act, _, _| switch(act, false)).contour(CompensationEffect::Waits),
+];
+
+fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
+    if on || act.channel().state.place.frames.is_some() {
+        act.channel_mut().state.place.frames().words = on.then(PolarWords::default);
+        act.channel_mut().state.place.frames_changed();
+    }
+    super::mode::mode(act, if on { "polar words on" } else { "polar words off" })
+}
+
+impl ActionContext<'_, '_> {
+    /// Axes whose words are a radius and an angle.
+    pub(crate) fn polar_axes(&self) -> Option<[AxisSlot; 2]> {
+        let frames = self.channel().state.place.frames.as_deref()?;
+        frames.words.filter(|_| frames.polar.is_none())?;
+        let plane = plane(self.channel().state.modal.code(group::PLANE)?)?;
+        let axis = |role: usize| self.channel().state.place.layout.cartesian.get(role).copied().flatten();
+        Some([axis(plane.first)?, axis(plane.second)?])
+    }
+
+    /// Takes their words and puts the point into a target; returns the bits of the axes that it sets.
+    pub(crate) fn take_polar_words(&mut self, axes: [AxisSlot; 2], from: &Position, target: &mut Position) -> u8 {
+        let [radius, angle] = axes.map(|axis| self.take_axis(axis));
+        let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+        let is_distance = |word: &RetrievedValue| word.incremental || relative && !word.absolute;
+        let words = PolarWords {
+            radius: radius.map(|word| (word.value, is_distance(&word))),
+            // An angle has no unit of length.
+            angle: angle.map(|word| (word.raw, is_distance(&word))),
+        };
+        self.channel_mut().state.place.frames().words = Some(words);
+        if radius.is_none() && angle.is_none() {
+            return 0;
+        }
+        words.put(&self.channel().state.place, axes, from, target);
+        axes[0].bit() | axes[1].bit()
+    }
+
+    /// Goes on by the words of the block once more, from where the tool is.
+    pub(crate) fn polar_words_again(&self, target: &mut Position) {
+        let words = self.channel().state.place.frames.as_deref().and_then(|frames| frames.words);
+        let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());
+        if let (Some(words), Some(axes)) = (words, self.polar_axes()) {
+            words.put(&self.channel().state.place, axes, &self.channel().state.place.programmed(), target);
+        }
+    }
+
+    /// Reads words as positions of axes for once.
+    pub(crate) fn without_polar_words<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+        let words = self.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
+        let done = read(self);
+        if words.is_some() {
+            self.channel_mut().state.place.frames().words = words;
+        }
+        done
+    }
+}

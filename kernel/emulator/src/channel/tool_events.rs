@@ -1,0 +1,54 @@
+//! Events of tools and heads: their macro sees them first, if there is one.
+//!
+//! *Invariant:* an event takes place once, with or without a macro. Facts: reference control-emulator.md 4.3.
+
+use counterpoint_event::event::{Kind, ToolAction, ToolChange};
+use counterpoint_fault::Acted;
+
+use super::Kernel;
+
+impl Kernel<'_> {
+    /// Selects or loads a tool, or changes its offset, by way of its macro if there is one.
+    pub fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
+        match self.plan.hooks {
+            Some(hooks) => (hooks.tool)(self, action, tool, offset, ns),
+            None => self.change_tool(action, tool, offset, ns),
+        }
+    }
+
+    /// Selects (1) or loads (2) a head, by way of the macro of tools if there is one.
+    pub fn head_event(&mut self, kind: f64, id: u32) -> Acted {
+        match self.plan.hooks {
+            Some(hooks) => (hooks.head)(self, kind, id),
+            None => self.load_head(kind, id),
+        }
+    }
+
+    /// The tool event itself.
+    pub fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
+        if action == ToolAction::Select {
+            self.channel.state.place.tools.selected = tool;
+            self.channel.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
+            return Ok(());
+        }
+        let before = self.channel.state.place.tools.current;
+        if tool != 0 || action == ToolAction::Load {
+            self.channel.state.place.tools.current = tool;
+        }
+        if action == ToolAction::Load
+            && let Some(hooks) = self.plan.hooks
+        {
+            (hooks.loaded)(self, tool, before);
+        }
+        self.channel.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset }));
+        self.channel.advance(ns);
+        Ok(())
+    }
+
+    /// The event itself: only the listing shows it.
+    pub fn load_head(&mut self, kind: f64, id: u32) -> Acted {
+        let verb = if kind == 1.0 { "select" } else { "load" };
+        self.channel.emit(0, Kind::mode(format!("{verb} head n={id}")));
+        Ok(())
+    }
+}
