@@ -167,7 +167,6 @@ const IGNORED: &[&str] = &[
     "G69",
     "G8",
     "G80",
-    "G813",
     "G84",
     "G900",
     "NEWCONF",
