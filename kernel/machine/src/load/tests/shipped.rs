@@ -55,6 +55,7 @@ fn all_machines_load_without_a_finding() {
             "linuxcnc-mill",
             "mazak-eia-lathe",
             "mazak-eia-mill",
+            "mazak-integrex",
             "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
