@@ -77,6 +77,7 @@ const MOVES: &[&str] = &[
     "CODE_FUNCTION",
     "CODE_GOODWAY_*",
     "CODE_HEAD_*",
+    "CODE_MORI_*",
     "CODE_OPSTOP",
     "CODE_PART_CUT_OFF",
     "CODE_REWIND",

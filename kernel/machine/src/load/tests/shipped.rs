@@ -42,6 +42,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill-5axis",
             "fanuc-swiss-goodway",
             "fanuc-swiss-hanwha",
+            "fanuc-twin-head",
             "fanuc-twin-spindle",
             "grbl-router",
             "haas-lathe",
