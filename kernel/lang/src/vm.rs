@@ -12,9 +12,11 @@ mod fast;
 mod homes;
 mod light;
 mod run;
+mod slots;
 mod step;
 mod units;
 mod weigh;
+mod window;
 
 pub use crate::state::{MacroLimits, MacroState, MemoryTally, range, sequence_of};
 
@@ -58,7 +60,7 @@ pub fn run(
     if state.depth == 0 {
         state.ticks = state.limits.ticks;
     }
-    let end = calls::enter(program, state, host, code, index, arguments);
+    let end = run::enter(program, state, host, code, index, arguments);
     let value = calls::result(state, code, index).clone();
     (end, value)
 }

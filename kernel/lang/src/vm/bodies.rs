@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* nothing but registers of the body changes until its result is given; see [`Body`].
 
-use super::fast::Window;
+use super::window::Window;
 use crate::bytecode::CompiledMacro;
 use crate::bytecode::body::Body;
 use crate::bytecode::fast::Near;
@@ -40,13 +40,13 @@ fn prepare(window: &mut Window, body: &Body) -> bool {
     }
     for variable in &body.cleared {
         if let Some(register) = window.get_mut(usize::from(*variable)) {
-            super::run::become_plain(register, MacroValue::Unset);
+            super::slots::become_plain(register, MacroValue::Unset);
         }
     }
     if body.is_null_first
         && let Some(register) = window.get_mut(usize::from(body.result))
     {
-        super::run::become_plain(register, MacroValue::Null);
+        super::slots::become_plain(register, MacroValue::Null);
     }
     true
 }
@@ -66,7 +66,7 @@ pub(super) fn give(window: &mut Window, running: &InlineCall<'_>) -> bool {
         Some(MacroValue::Real(number)) if matches!(running.body.kind, None | Some(ValueType::Real)) => {
             let number = *number;
             if let Some(register) = window.get_mut(usize::from(running.to)) {
-                super::run::put(register, number);
+                super::slots::put(register, number);
             }
             true
         }

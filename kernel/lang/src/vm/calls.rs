@@ -1,6 +1,7 @@
 //! Entering and leaving macros.
 
-use super::run::{self, MacroStop};
+use super::slots;
+use super::slots::MacroStop;
 use super::{MacroEnd, report, shown};
 use crate::bytecode::fast::WINDOW;
 use crate::bytecode::{CompiledMacro, Slot};
@@ -12,49 +13,6 @@ use crate::source::Span;
 use crate::state::{MacroFrame, MacroState, typed};
 use crate::value::{MacroValue, ValueType};
 use std::sync::Arc;
-
-/// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
-pub(super) fn enter(
-    program: &MacroProgram,
-    state: &mut MacroState,
-    host: &mut dyn MacroHost,
-    code: &CompiledMacro,
-    index: u16,
-    arguments: &mut [MacroValue],
-) -> MacroEnd {
-    let mut frame = match take(program, state, code, index) {
-        Ok(frame) => frame,
-        Err(fault) => {
-            report(code, code.places.first().copied().unwrap_or_default(), *fault, 8, state, host);
-            return MacroEnd::Error;
-        }
-    };
-    let registers = frame.registers.as_mut_slice();
-    for (slot, _) in &code.signature.parameters {
-        run::set(registers, *slot, MacroValue::Unset);
-    }
-    for (number, slot) in &code.signature.arguments {
-        if let Some(value) = arguments.get(usize::from(*number) - 1) {
-            run::set(registers, *slot, value.clone());
-        }
-    }
-    let outer = (state.depth > 0).then(|| state.inner_begins());
-    begin(state, host, code);
-    let end = run::run(program, state, host, &mut frame);
-    leave(state, host, code);
-    if let Some(outer) = outer {
-        state.inner_ended(outer);
-    }
-    for (number, slot) in &code.signature.arguments {
-        if let (Some(value), Some(register)) =
-            (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
-        {
-            *value = register.clone();
-        }
-    }
-    put_back(state, frame);
-    end
-}
 
 /// Finds a function to be called and its registers.
 #[inline]
@@ -102,7 +60,7 @@ pub(super) fn put_back(state: &mut MacroState, frame: Box<MacroFrame>) {
 pub(super) fn result<'a>(state: &'a MacroState, code: &CompiledMacro, index: u16) -> &'a MacroValue {
     static NULL: MacroValue = MacroValue::Null;
     match (code.signature.result, state.calls.frames.get(usize::from(index))) {
-        (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
+        (Some((slot, _)), Some(Some(frame))) => slots::get(&frame.registers, slot),
         _ => &NULL,
     }
 }
@@ -110,17 +68,17 @@ pub(super) fn result<'a>(state: &'a MacroState, code: &CompiledMacro, index: u16
 /// Returns the result of a function to its caller.
 #[inline]
 pub(super) fn give(code: &CompiledMacro, frame: &[MacroValue], caller: &mut [MacroValue], to: Slot) {
-    let Some((result, _)) = code.signature.result else { return run::set(caller, to, MacroValue::Null) };
-    match run::number(frame, result) {
-        Some(number) => run::set_number(caller, to, number),
-        None => run::set(caller, to, run::get(frame, result).clone()),
+    let Some((result, _)) = code.signature.result else { return slots::set(caller, to, MacroValue::Null) };
+    match slots::number(frame, result) {
+        Some(number) => slots::set_number(caller, to, number),
+        None => slots::set(caller, to, slots::get(frame, result).clone()),
     }
 }
 
 /// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`. A macro that is
 /// running already is refused, and too many macros at once.
 #[inline]
-fn take(
+pub(super) fn take(
     program: &MacroProgram,
     state: &mut MacroState,
     code: &CompiledMacro,
@@ -143,11 +101,11 @@ fn take(
 fn clear(code: &CompiledMacro, registers: &mut [MacroValue]) {
     for slot in &code.registers.locals {
         if let Some(register) = registers.get_mut(usize::from(*slot)) {
-            run::become_plain(register, MacroValue::Unset);
+            slots::become_plain(register, MacroValue::Unset);
         }
     }
     if let Some(register) = code.signature.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
-        run::become_plain(register, MacroValue::Null);
+        slots::become_plain(register, MacroValue::Null);
     }
 }
 
@@ -175,7 +133,7 @@ fn fresh(
     }
     let mut registers = vec![MacroValue::Unset; code.registers.count + WINDOW];
     for (slot, value) in &code.registers.constants {
-        run::set(&mut registers, *slot, value.clone());
+        slots::set(&mut registers, *slot, value.clone());
     }
     Ok(Box::new(MacroFrame { registers, index, ..MacroFrame::default() }))
 }
@@ -205,7 +163,7 @@ pub(super) fn quick_call<'p>(
         let (value, parameter) = (own.get(usize::from(*from))?, registers.get_mut(usize::from(*parameter))?);
         match (value, parameter) {
             (MacroValue::Real(number), parameter) if kind.is_none_or(|kind| kind == ValueType::Real) => {
-                run::put(parameter, *number)
+                slots::put(parameter, *number)
             }
             (value, parameter) if kind.is_none_or(|kind| value.kind() == Some(kind)) => give_value(parameter, value),
             _ => return None,
@@ -249,9 +207,9 @@ pub(super) fn quick_return<'p>(
     let place = state.calls.frames.get_mut(usize::from(frame.index))?;
     let waiting = frame.caller.take()?;
     let ended = std::mem::replace(frame, waiting);
-    match (run::number(&ended.registers, result), frame.registers.get_mut(usize::from(ended.to))) {
-        (Some(number), Some(register)) => run::put(register, number),
-        (None, Some(register)) => give_value(register, run::get(&ended.registers, result)),
+    match (slots::number(&ended.registers, result), frame.registers.get_mut(usize::from(ended.to))) {
+        (Some(number), Some(register)) => slots::put(register, number),
+        (None, Some(register)) => give_value(register, slots::get(&ended.registers, result)),
         (_, None) => {}
     }
     let at = ended.at;
@@ -271,8 +229,8 @@ pub(super) fn fill(
     given: &[Slot],
 ) -> Result<(), MacroFault> {
     for ((slot, kind), from) in code.signature.parameters.iter().zip(given) {
-        match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
-            (MacroValue::Real(number), None | Some(ValueType::Real), Some(parameter)) => run::put(parameter, *number),
+        match (slots::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
+            (MacroValue::Real(number), None | Some(ValueType::Real), Some(parameter)) => slots::put(parameter, *number),
             (value, None, Some(parameter)) => *parameter = value.clone(),
             (value, Some(kind), Some(parameter)) => *parameter = typed(value, *kind)?,
             (_, _, None) => {}
@@ -290,7 +248,7 @@ pub(super) fn finished(
     frame: &[MacroValue],
 ) -> MacroEnd {
     match code.signature.result {
-        Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
+        Some((slot, Some(kind))) => result_typed(state, host, code, slots::get(frame, slot), kind),
         _ => MacroEnd::Normal,
     }
 }

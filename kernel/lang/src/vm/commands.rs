@@ -2,7 +2,7 @@
 //!
 //! Facts: reference macro-language.md 3.2 to 3.5.
 
-use super::run::{get, slots};
+use super::slots::{get, slots};
 use super::{report, units};
 use crate::bytecode::{CommandCode, CompiledMacro, Slot};
 use crate::diag::DiagnosticNumber;

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference macro-language.md 1.5, 1.7 and 2.
 
-use super::run::{get, slots};
+use super::slots::{get, slots};
 use crate::bytecode::{CompiledMacro, NO_SLOT, SharedVariable, Slot};
 use crate::diag::DiagnosticNumber;
 use crate::fault::{MacroFault, Outcome};

@@ -5,12 +5,12 @@
 //! in their own place whenever another macro or the host may look at them.
 
 use super::bodies::{self, InlineCall};
+use super::window::{InstructionCursor, Window, passed, position};
 use super::{calls, homes, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
-use crate::bytecode::{CompiledMacro, Target};
 use crate::host::MacroHost;
 use crate::program::MacroProgram;
-use crate::state::{MacroFrame, MacroState};
+use crate::state::MacroState;
 use crate::value::{Elements, MacroValue};
 
 /// Ticks that are used up at most before a stop of the run is looked at.
@@ -18,16 +18,6 @@ const SLICE: u64 = 20_000;
 
 /// Ticks that a call costs.
 const CALL: u64 = 5;
-
-/// The registers that short forms name.
-pub(super) type Window = [MacroValue; WINDOW];
-
-/// Where the loop is: the running macro, its frame and the next instruction.
-pub(super) struct InstructionCursor<'a, 'p> {
-    pub(super) code: &'p CompiledMacro,
-    pub(super) frame: &'a mut Box<MacroFrame>,
-    pub(super) at: usize,
-}
 
 /// Runs on from `place` and leaves there where it stopped.
 #[allow(
@@ -328,7 +318,7 @@ pub(super) fn run<'p>(
                         let value = exists!(number!(variable) + step);
                         let Some(left) = passed(at, target, ticks) else { break };
                         put(window, variable, value);
-                        if super::run::past(value, last, step) {
+                        if super::slots::past(value, last, step) {
                             // Seldom: the next instruction must not wait for the comparison.
                             std::hint::cold_path();
                             at += 1;
@@ -382,26 +372,11 @@ pub(super) fn run<'p>(
     (place.code, place.at, state.ticks) = (code, at, ticks + rest);
 }
 
-/// Ticks left after a jump from `at`: a jump back costs the instructions it goes back over.
-#[inline(always)]
-pub(super) fn passed(at: usize, target: Target, ticks: u64) -> Option<u64> {
-    let target = usize::from(target);
-    if target > at { Some(ticks) } else { ticks.checked_sub((at - target) as u64 + 1) }
-}
-
 #[inline(always)]
 fn put(window: &mut Window, to: Near, number: f64) {
     if let Some(register) = window.get_mut(usize::from(to)) {
-        super::run::put(register, number);
+        super::slots::put(register, number);
     }
-}
-
-/// Position of a 1-based index; an index below 1 or too large lies after every end.
-#[inline(always)]
-pub(super) fn position(index: f64) -> usize {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let whole = index as u32;
-    whole.wrapping_sub(1) as usize
 }
 
 /// Element of a sequence or a one-dimensional array that is a number.

@@ -3,7 +3,7 @@
 //! *Invariant:* a variable changes places with its home when a short form first needs it, and is back in its own place
 //! before anything but short forms of the same macro can look at it.
 
-use super::fast::Window;
+use super::window::Window;
 use crate::bytecode::fast::Fast;
 use crate::bytecode::{CompiledMacro, Instruction, SharedVariable};
 use crate::host::MacroHost;

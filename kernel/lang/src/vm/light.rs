@@ -4,7 +4,7 @@
 //! It takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
 //! that no other value shares is used again.
 
-use super::fast::{Window, passed, position};
+use super::window::{Window, passed, position};
 use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{CompiledMacro, Relation, Slot};
 use crate::func::{BuiltInFunction, EvaluationMethod};
@@ -70,7 +70,7 @@ pub(super) fn step(
             did!(move_light(window, home, a, Some(kind)))
         }
         Fast::Power { to, a, b } => {
-            let result = super::step::power(number!(a), number!(b));
+            let result = super::slots::power(number!(a), number!(b));
             did!(stored(window, to, result))
         }
         Fast::Math { to, a, function } => {
@@ -103,7 +103,7 @@ pub(super) fn step(
         Fast::IfWhen { a, b, target } => unless!(same(window, a, b).map(|equal| !equal), target),
         Fast::DoStart { variable, end, step, target } => {
             let (value, last, step) = (number!(variable), number!(end), number!(step));
-            let passes = if step == 0.0 { None } else { Some(!super::run::past(value, last, step)) };
+            let passes = if step == 0.0 { None } else { Some(!super::slots::past(value, last, step)) };
             unless!(passes, target)
         }
         _ => not_taken,
@@ -114,7 +114,7 @@ pub(super) fn step(
 #[inline]
 fn stored(window: &mut Window, to: Near, number: f64) -> Option<()> {
     let register = window.get_mut(usize::from(to)).filter(|_| number.is_finite())?;
-    super::run::put(register, number);
+    super::slots::put(register, number);
     Some(())
 }
 
@@ -343,7 +343,7 @@ pub(super) fn cell_related(
 #[inline(always)]
 fn values_related(relation: Relation, a: &MacroValue, b: &MacroValue) -> Option<bool> {
     match (a, b) {
-        (MacroValue::Real(a), MacroValue::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (MacroValue::Real(a), MacroValue::Real(b)) => Some(super::slots::relate(relation, *a, *b)),
         (a, b) => related(relation, a, b),
     }
 }

@@ -4,91 +4,17 @@
 //! of [`super::step`], or are not taken.
 
 use super::calls;
-use super::fast::{self, InstructionCursor};
-use super::{MacroEnd, step, weigh};
-use crate::bytecode::{CompiledMacro, Instruction, Relation, Slot, Target};
+use super::fast;
+use super::slots::{MacroStop, NextInstruction, set, slots};
+use super::window::{InstructionCursor, passed};
+use super::{MacroEnd, report, step, weigh};
+use crate::bytecode::{CompiledMacro, Instruction, Slot, Target};
 use crate::fault::MacroFault;
 use crate::host::MacroHost;
 use crate::program::MacroProgram;
 use crate::state::{MacroFrame, MacroState};
 use crate::value::MacroValue;
 use std::sync::Arc;
-
-/// Why a macro ends early.
-pub(super) enum MacroStop {
-    /// A fault at an instruction.
-    Fault(usize, MacroFault),
-    /// A diagnostic of severity 8 was issued by the macro itself.
-    Raised(usize),
-}
-
-#[inline]
-pub(super) fn number(frame: &[MacroValue], slot: Slot) -> Option<f64> {
-    match frame.get(usize::from(slot)) {
-        Some(MacroValue::Real(number)) => Some(*number),
-        _ => None,
-    }
-}
-
-#[inline]
-pub(super) fn get(frame: &[MacroValue], slot: Slot) -> &MacroValue {
-    static UNSET: MacroValue = MacroValue::Unset;
-    frame.get(usize::from(slot)).unwrap_or(&UNSET)
-}
-
-#[inline]
-pub(super) fn set(frame: &mut [MacroValue], slot: Slot, value: MacroValue) {
-    if let Some(register) = frame.get_mut(usize::from(slot)) {
-        *register = value;
-    }
-}
-
-#[inline]
-pub(super) fn set_number(frame: &mut [MacroValue], slot: Slot, number: f64) {
-    if let Some(register) = frame.get_mut(usize::from(slot)) {
-        put(register, number);
-    }
-}
-
-/// Stores a number. The previous value is mostly a number too, so all other cases are kept out of the fast path.
-#[inline(always)]
-pub(super) fn put(register: &mut MacroValue, number: f64) {
-    if !matches!(register, MacroValue::Real(_)) {
-        become_number(register);
-    }
-    if let MacroValue::Real(old) = register {
-        *old = number;
-    }
-}
-
-#[cold]
-#[inline(never)]
-fn become_number(register: &mut MacroValue) {
-    become_plain(register, MacroValue::Real(0.0));
-}
-
-/// Replaces a value by one that holds no memory. Most of those that were there before do not hold any either.
-#[inline(always)]
-pub(super) fn become_plain(register: &mut MacroValue, value: MacroValue) {
-    match register {
-        MacroValue::Text(_) | MacroValue::Sequence(_) | MacroValue::Array(_) => replace(register, value),
-        _ => std::mem::forget(std::mem::replace(register, value)),
-    }
-}
-
-/// Replaces a value that may have to give memory back.
-#[inline(never)]
-pub(super) fn replace(register: &mut MacroValue, value: MacroValue) {
-    *register = value;
-}
-
-/// The successor of an instruction.
-pub(super) enum NextInstruction {
-    /// The next instruction.
-    Step,
-    /// Another one.
-    Jump(Target),
-}
 
 /// Why the loop pauses without a fault.
 enum RunPause {
@@ -176,8 +102,7 @@ fn execute<'p>(
         }
         match step::step(state, host, code, &mut place.frame.registers, at) {
             Ok(NextInstruction::Step) => place.at += 1,
-            Ok(NextInstruction::Jump(target)) => match fast::passed(at, target, state.ticks + traces(code, target, at))
-            {
+            Ok(NextInstruction::Jump(target)) => match passed(at, target, state.ticks + traces(code, target, at)) {
                 Some(left) => (place.at, state.ticks) = (usize::from(target), left),
                 None => return Err(Box::new(MacroStop::Fault(at, used_up(state)))),
             },
@@ -215,30 +140,45 @@ fn used_up(state: &mut MacroState) -> MacroFault {
     }
 }
 
-pub(super) fn slots(code: &CompiledMacro, list: u16) -> &[Slot] {
-    code.lists.get(usize::from(list)).map_or(&[], Vec::as_slice)
-}
-
-#[inline(never)]
-pub(super) fn copy(frame: &mut [MacroValue], to: Slot, a: Slot) {
-    let value = get(frame, a).clone();
-    set(frame, to, value);
-}
-
-pub(super) fn past(value: f64, last: f64, step: f64) -> bool {
-    if step > 0.0 { value > last } else { value < last }
-}
-
-/// Compares two numbers without a branch.
-#[inline]
-pub(super) fn relate(relation: Relation, a: f64, b: f64) -> bool {
-    let wanted = match relation {
-        Relation::Equal => 0b010u8,
-        Relation::NotEqual => 0b101,
-        Relation::Less => 0b001,
-        Relation::LessEqual => 0b011,
-        Relation::Greater => 0b100,
-        Relation::GreaterEqual => 0b110,
+/// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
+pub(super) fn enter(
+    program: &MacroProgram,
+    state: &mut MacroState,
+    host: &mut dyn MacroHost,
+    code: &CompiledMacro,
+    index: u16,
+    arguments: &mut [MacroValue],
+) -> MacroEnd {
+    let mut frame = match calls::take(program, state, code, index) {
+        Ok(frame) => frame,
+        Err(fault) => {
+            report(code, code.places.first().copied().unwrap_or_default(), *fault, 8, state, host);
+            return MacroEnd::Error;
+        }
     };
-    wanted & (u8::from(a < b) | u8::from(a == b) << 1 | u8::from(a > b) << 2) != 0
+    let registers = frame.registers.as_mut_slice();
+    for (slot, _) in &code.signature.parameters {
+        set(registers, *slot, MacroValue::Unset);
+    }
+    for (number, slot) in &code.signature.arguments {
+        if let Some(value) = arguments.get(usize::from(*number) - 1) {
+            set(registers, *slot, value.clone());
+        }
+    }
+    let outer = (state.depth > 0).then(|| state.inner_begins());
+    calls::begin(state, host, code);
+    let end = run(program, state, host, &mut frame);
+    calls::leave(state, host, code);
+    if let Some(outer) = outer {
+        state.inner_ended(outer);
+    }
+    for (number, slot) in &code.signature.arguments {
+        if let (Some(value), Some(register)) =
+            (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
+        {
+            *value = register.clone();
+        }
+    }
+    calls::put_back(state, frame);
+    end
 }

@@ -2,7 +2,8 @@
 //!
 //! *Invariant:* this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
 
-use super::run::{MacroStop, NextInstruction, copy, get, number, relate, set, set_number, slots};
+use super::slots::power;
+use super::slots::{MacroStop, NextInstruction, copy, get, number, relate, set, set_number, slots};
 use super::{commands, data, shown};
 use crate::bytecode::{BuiltInVariable, CompiledMacro, Instruction, Relation, Slot};
 use crate::diag::DiagnosticNumber;
@@ -177,7 +178,7 @@ pub(super) fn step(
                     MacroFault::new(DiagnosticNumber::STEP_ZERO, "the step of this loop is zero"),
                 ));
             }
-            if super::run::past(value, last, step) {
+            if super::slots::past(value, last, step) {
                 return Ok(NextInstruction::Jump(target));
             }
         }
@@ -192,7 +193,7 @@ pub(super) fn step(
                 return Err(MacroStop::Fault(at, too_large()));
             }
             set_number(frame, variable, value);
-            if !super::run::past(value, last, step) {
+            if !super::slots::past(value, last, step) {
                 return Ok(NextInstruction::Jump(target));
             }
         }
@@ -333,11 +334,6 @@ fn element_slow(state: &mut MacroState, frame: &mut [MacroValue], to: Slot, a: S
     state.made(&value)?;
     set(frame, to, value);
     Ok(())
-}
-
-#[inline(never)]
-pub(super) fn power(a: f64, b: f64) -> f64 {
-    if b == 2.0 { a * a } else { libm::pow(a, b) }
 }
 
 /// The numbers of a DO: variable, end, step.

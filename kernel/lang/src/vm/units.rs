@@ -3,7 +3,7 @@
 //! *Invariant:* failures of files only set `$ERRNO`. Facts: reference macro-language.md 3.4; choices of this project: a
 //! missing file is created when it is written, FRONT truncates, lines end with LF.
 
-use super::run::{get, set};
+use super::slots::{get, set};
 
 use crate::bytecode::Slot;
 use crate::diag::DiagnosticNumber;
