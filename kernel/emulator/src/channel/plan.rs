@@ -197,7 +197,8 @@ impl BlockRules {
             lead_is_feed: lead_is_feed(machine),
             keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
             overlaps: machine.codes.iter().any(|row| row.seconds > 0.0 && row.overlap != TimeOverlap::None)
-                || machine.spindles.iter().any(|spindle| spindle.overlap != TimeOverlap::None),
+                || machine.spindles.iter().any(|spindle| spindle.overlap != TimeOverlap::None)
+                || machine.time.tool_overlap != TimeOverlap::None,
             refusals: Refusals::new(machine),
             number_takers: number_takers(machine),
             length_moves: machine.compensation.length.moves,

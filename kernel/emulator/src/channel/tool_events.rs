@@ -40,8 +40,14 @@ impl Kernel<'_> {
         {
             (hooks.loaded)(self, tool, before);
         }
-        self.channel.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset }));
-        self.channel.advance(ns);
+        let event = Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset });
+        let overlap = self.channel.env.machine.time.tool_overlap;
+        if ns > 0 && self.runs_beside(overlap, ('T', f64::from(tool)), ns) {
+            self.channel.emit(0, event);
+        } else {
+            self.channel.emit(ns, event);
+            self.channel.advance(ns);
+        }
         Ok(())
     }
 

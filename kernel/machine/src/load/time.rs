@@ -24,6 +24,7 @@ pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, rows: &m
         tool_change: 0.0,
         tool_step: 0.0,
         stations: 0,
+        tool_overlap: TimeOverlap::None,
         rapid: RapidPath::SlowestAxis,
         spindle_speed: 0.0,
         look_ahead: LOOK_AHEAD,
@@ -34,6 +35,7 @@ pub(super) fn read(top: &mut TableReader<'_>, names: &NameRegistry<'_>, rows: &m
     time.tool_change = section.at_least_zero("tool_change").unwrap_or(0.0);
     time.tool_step = section.at_least_zero("tool_step").unwrap_or(0.0);
     time.stations = section.integer("stations", 0..=999).unwrap_or(0) as u32;
+    time.tool_overlap = section.choice("tool_overlap", &TimeOverlap::WORDS).unwrap_or_default();
     let paths = [("slowest-axis", RapidPath::SlowestAxis), ("linear", RapidPath::Linear)];
     time.rapid = section.choice("rapid", &paths).unwrap_or(RapidPath::SlowestAxis);
     time.spindle_speed = section.at_least_zero("spindle_speed").unwrap_or(0.0);

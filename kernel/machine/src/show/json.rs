@@ -343,6 +343,7 @@ fn time(machine: &Machine) -> Value {
     json!({
         "tool_change": time.tool_change,
         "tool_step": time.tool_step,
+        "tool_overlap": word(time.tool_overlap),
         "stations": time.stations,
         "rapid": word(time.rapid),
         "spindle_speed": time.spindle_speed,
