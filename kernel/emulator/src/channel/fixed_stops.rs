@@ -103,7 +103,8 @@ fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<
     if let Some(at) = stop.at {
         return Ok(at);
     }
-    let axis = kernel.channel.axis_name(slot).to_owned();
+    // The name by which machines and settings know the axis.
+    let axis = &kernel.channel.env.machine.axes[kernel.channel.state.place.layout.axes[slot].machine].name;
     let remedy = match stop.variable {
         Some(number) => format!("set variable {number} to its machine position"),
         None => format!("run with --set stop.{axis}=POSITION, or give the machine `stops.at`"),
