@@ -4,8 +4,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Endings of program files that calls name without the ending: `L20`, `CALL PGM SUB`, `CALL OSUB`.
-const CALLED_WITHOUT_ENDING: [&str; 6] = ["spf", "mpf", "h", "i", "sub", "ssb"];
+/// Endings of program files that calls name without the ending: `L20`, `CALL PGM SUB`, `CALL OSUB`, `o<name> call`.
+const CALLED_WITHOUT_ENDING: [&str; 7] = ["spf", "mpf", "h", "i", "sub", "ssb", "ngc"];
 
 /// Ending of libraries, which hold programs of any name.
 const LIBRARY: &str = "lib";
@@ -105,6 +105,11 @@ impl Mentionable {
         add(&mut self.names, name);
         if CALLED_WITHOUT_ENDING.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
             add(&mut self.stems, stem);
+        }
+        // Calls of LinuxCNC write a number after a letter: `o100 call`, `M98 P100`.
+        if ending.eq_ignore_ascii_case("ngc") && stem.bytes().all(|byte| byte.is_ascii_digit()) {
+            add(&mut self.stems, &format!("o{stem}"));
+            add(&mut self.stems, &format!("p{stem}"));
         }
     }
 

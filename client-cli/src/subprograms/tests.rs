@@ -65,3 +65,13 @@ fn files_are_taken_if_a_text_mentions_them() {
         assert_eq!(mentioned(text), names, "{text}");
     }
 }
+
+#[test]
+fn calls_of_linuxcnc_mention_files_by_name_and_by_number() {
+    let mut files = Mentionable::default();
+    for name in ["besi.ngc", "100.ngc", "77.ngc", "78.ngc", "other.ngc"] {
+        files.add(name);
+    }
+    let taken = files.take_mentioned(b"o<Besi> call [4]\nO100 call\nM98 P77\nG4 P2\n");
+    assert_eq!(taken.into_iter().collect::<Vec<_>>(), ["100.ngc", "77.ngc", "besi.ngc"]);
+}
