@@ -243,6 +243,9 @@ fn programs_of_linuxcnc_and_grbl_show_it() {
         assert_eq!(machine("p.ngc", text).as_deref(), Ok("linuxcnc-mill"), "{text}");
     }
     assert_eq!(machine("p.nc", "$H\nG21 G90\nG1 X1 Y2 F100\n").as_deref(), Ok("grbl-router"));
+    for text in ["G21 G90\nG1 X1 Y2 F100\n", "G21 ; mm\nM3 S1000\nG1 X1 Y2 F100\n"] {
+        assert_eq!(machine("p.gcode", text).as_deref(), Ok("grbl-router"), "{text}");
+    }
 }
 
 #[test]
