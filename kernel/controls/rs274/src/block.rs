@@ -15,6 +15,9 @@ pub(super) const AXES: &[u8] = b"xyzabcuvw";
 /// Letters of GRBL besides G, M and N.
 const GRBL_LETTERS: &[u8] = b"fijklprstxyz";
 
+/// Highest number of a tool of GRBL.
+const GRBL_TOOLS: f64 = 255.0;
+
 /// A word with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BlockWord {
@@ -53,10 +56,13 @@ fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
 }
 
 impl BlockWords {
-    /// Adds a word.
-    pub(super) fn add(&mut self, word: BlockWord) -> Result<(), Rs274Mistake> {
+    /// Adds a word; GRBL refuses it before it looks at the other words of the block.
+    pub(super) fn add(&mut self, word: BlockWord, grbl: bool) -> Result<(), Rs274Mistake> {
         if self.whole == Span::default() {
             self.whole = word.span;
+        }
+        if grbl {
+            check_grbl(&word)?;
         }
         match word.letter {
             b'g' => {
@@ -240,11 +246,6 @@ impl BlockWords {
         };
         for word in &self.words {
             let letter = word.letter;
-            if grbl && !GRBL_LETTERS.contains(&letter) {
-                let name = char::from(letter.to_ascii_uppercase());
-                let text = format!("{name} is not a word of this control: remove it");
-                return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, text));
-            }
             let always = matches!(letter, b'f' | b's' | b't') || AXES.contains(&letter);
             if !always && !of_codes(letter) && !of_m(letter) {
                 let name = char::from(letter.to_ascii_uppercase());
@@ -267,6 +268,22 @@ impl BlockWords {
             None => Ok(()),
         }
     }
+}
+
+/// Refuses the words that GRBL refuses by themselves.
+fn check_grbl(word: &BlockWord) -> Result<(), Rs274Mistake> {
+    let name = char::from(word.letter.to_ascii_uppercase());
+    if !matches!(word.letter, b'g' | b'm') && !GRBL_LETTERS.contains(&word.letter) {
+        let text = format!("{name} is not a word of this control: remove it");
+        return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, text));
+    }
+    if matches!(word.letter, b'f' | b'p' | b's' | b't') && word.value < 0.0 {
+        return Err(refused(4, format!("{name} is negative: write a positive number")));
+    }
+    if word.letter == b't' && word.value > GRBL_TOOLS {
+        return Err(refused(38, format!("{name} is at most {GRBL_TOOLS}")));
+    }
+    Ok(())
 }
 
 fn missing_word(code: &str, letter: u8) -> Rs274Mistake {
@@ -294,7 +311,7 @@ mod tests {
             let (letter, value) = word.split_at(1);
             let word =
                 BlockWord { letter: letter.as_bytes()[0], value: value.parse().unwrap(), spelled: None, span: (0, 1) };
-            block.add(word).map_err(|mistake| mistake.error)?;
+            block.add(word, grbl).map_err(|mistake| mistake.error)?;
         }
         block.check(BlockModes { grbl, motion, inverse_time: false }).map_err(|mistake| mistake.error)?;
         Ok(block.motion)
@@ -307,6 +324,10 @@ mod tests {
             ("m6", 20),
             ("g0 x1 a1", 20),
             ("o1", 20),
+            ("x1 x2 e1", 25),
+            ("e1 g0 g1", 20),
+            ("t256", 38),
+            ("g10 l2 p-1 x0", 4),
             ("g59.1", 20),
             ("g0 g1", 21),
             ("g20 g21", 21),

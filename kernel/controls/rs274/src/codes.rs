@@ -151,7 +151,7 @@ pub(super) fn m_code(code: u16, grbl: bool) -> Option<MCode> {
         _ if grbl => None,
         60 => facts(4, "", ""),
         6 => facts(6, "", ""),
-        19 => facts(7, "rqp$", "r"),
+        19 => facts(7, "rqp$", ""),
         48 | 49 => facts(9, "", ""),
         50..=53 => facts(9, "p$", ""),
         61 => facts(6, "q", "q"),

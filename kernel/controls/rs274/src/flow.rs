@@ -144,10 +144,36 @@ impl Rs274 {
     /// Skips the definition of a subprogram, which is not part of the program around it.
     fn pass_sub(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         let place = host.place();
+        if let Some(inner) = self.places(host, place.file).nested_in(line) {
+            let text = format!("the definition of a subprogram in line {inner} is inside this one: move it out");
+            return Err(Rs274Mistake::new(&diag::MACRO_LOOP, 1, text).into());
+        }
         let Some(end) = self.places(host, place.file).end_of(line) else {
             return loop_fault("the subprogram has no endsub with its label: write it at the end of the subprogram");
         };
         if (place.range.first, place.range.last) == (line, end) { Ok(()) } else { self.go(host, end.saturating_add(1)) }
+    }
+
+    /// A percent sign alone in its line: the first line and the end of a text. GRBL does not get such lines.
+    pub(super) fn percent(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
+        if self.grbl {
+            return Ok(());
+        }
+        let place = host.place();
+        let source = host.source(place.file);
+        let first = source.and_then(|source| {
+            let is_text = |line: &u32| !source.line(*line).trim_ascii().is_empty();
+            let first = source.walk(1, source.lines()).find(is_text)?;
+            (source.line(first).trim_ascii() == b"%").then_some(first)
+        });
+        match first {
+            Some(first) if first == place.line => Ok(()),
+            Some(_) => Ok(host.go_to(place.range.last.saturating_add(1))?),
+            None => {
+                let text = "the first line of the file is not '%': write it there, too, or remove this line";
+                Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 1, text).into())
+            }
+        }
     }
 
     /// Ends the running program at the start of another program that M98 calls.
@@ -198,8 +224,18 @@ impl Rs274 {
 
     /// The lines of a subprogram.
     pub(super) fn find_sub(&mut self, host: &mut dyn ProgramHost, name: &str) -> Outcome<(FileId, ProgramRange)> {
+        self.find(host, name, OCodeIndex::sub)
+    }
+
+    /// A subprogram or a program of the running file, of the file of the main program, or of a file of its name.
+    fn find(
+        &mut self,
+        host: &mut dyn ProgramHost,
+        name: &str,
+        range_of: fn(&OCodeIndex, &str) -> Option<ProgramRange>,
+    ) -> Outcome<(FileId, ProgramRange)> {
         for file in [host.place().file, host.main_file()] {
-            if let Some(range) = self.places(host, file).sub(name) {
+            if let Some(range) = range_of(&self.places(host, file), name) {
                 return Ok((file, range));
             }
         }
@@ -210,14 +246,19 @@ impl Rs274 {
         let Some(at) = host.files().iter().position(|file| stem(file) == name) else { return Err(missing_sub(name)) };
         let file = at as FileId;
         host.load(file)?;
-        self.places(host, file).sub(name).map_or_else(|| Err(missing_sub(name)), |range| Ok((file, range)))
+        let range = range_of(&self.places(host, file), name);
+        range.map_or_else(|| Err(missing_sub(name)), |range| Ok((file, range)))
     }
 
-    /// M98: a program of the same file, with the parameters of its caller.
+    /// The lines of a program that M98 calls.
+    pub(super) fn find_program(&mut self, host: &mut dyn ProgramHost, name: &str) -> Outcome<(FileId, ProgramRange)> {
+        self.find(host, name, OCodeIndex::program)
+    }
+
+    /// M98: a program, with the parameters of its caller.
     pub(super) fn call_program(&mut self, host: &mut dyn InterpreterHost, number: f64, passes: f64) -> Outcome<()> {
-        let file = host.place().file;
         let name = numbered(&format!("{number:.0}"));
-        let Some(range) = self.places(host, file).program(&name) else { return Err(missing_sub(&name)) };
+        let (file, range) = self.find_program(host, &name)?;
         self.caching = true;
         if passes >= 1.0 {
             let passes = passes.min(9_999_999.0) as u32;

@@ -20,6 +20,8 @@ pub(super) struct Rs274Line {
     pub(super) comment: Option<Span>,
     /// A line for the sender of the program, such as `$H`.
     pub(super) for_sender: bool,
+    /// A percent sign alone: the begin or the end of the text.
+    pub(super) percent: bool,
 }
 
 /// Part of a block.
@@ -104,6 +106,9 @@ const ARGUMENTS: usize = 30;
 pub(super) fn read(text: &[u8], language: bool) -> Result<Rs274Line, Rs274Mistake> {
     if matches!(text.trim_ascii_start().first(), Some(b'$' | b'?' | b'!' | b'~')) {
         return Ok(Rs274Line { for_sender: true, ..Rs274Line::default() });
+    }
+    if text.trim_ascii() == b"%" {
+        return Ok(Rs274Line { percent: true, ..Rs274Line::default() });
     }
     let text = BlockText::read(text)?;
     let mut cursor = Rs274Cursor::new(&text);

@@ -46,8 +46,8 @@ impl Rs274 {
             }
         }
         if calls && let Some(number) = called {
-            let (name, file) = (numbered(&format!("{number:.0}")), programs.place().file);
-            let place = self.places(programs, file).program(&name).map(|range| (file, range));
+            let name = numbered(&format!("{number:.0}"));
+            let place = self.find_program(programs, &name).ok();
             steps.push(OutlineStep::Call(CallOutline { name: name.into(), place, passes }));
         }
         if returns {

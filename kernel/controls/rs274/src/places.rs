@@ -43,6 +43,8 @@ pub(super) struct OCodeIndex {
     subs: FxHashMap<Box<str>, (u32, u32)>,
     /// Last line of the subprogram that begins at a line.
     ends: FxHashMap<u32, u32>,
+    /// First line of the subprogram that is defined inside the one that begins at a line.
+    nested: FxHashMap<u32, u32>,
     /// First line of programs that M98 calls.
     programs: Vec<(Box<str>, u32)>,
     blocks: Vec<OBlock>,
@@ -80,6 +82,11 @@ impl OCodeIndex {
             let Some((label, word)) = o_code_of(source.line(line)) else { continue };
             match word {
                 OWord::Sub if sub.is_none() => sub = Some((label, line, Vec::new())),
+                OWord::Sub => {
+                    if let Some((_, first, _)) = &sub {
+                        index.nested.entry(*first).or_insert(line);
+                    }
+                }
                 OWord::EndSub => {
                     if let Some((name, first, _)) = sub.take_if(|(name, ..)| *name == label) {
                         index.ends.insert(first, line);
@@ -136,6 +143,11 @@ impl OCodeIndex {
         self.blocks.get(*self.at.get(&line)?).filter(|block| block.last > 0)
     }
 
+    /// The definition inside the subprogram that begins at a line.
+    pub(super) fn nested_in(&self, line: u32) -> Option<u32> {
+        self.nested.get(&line).copied()
+    }
+
     /// Last line of the subprogram that begins at a line.
     pub(super) fn end_of(&self, line: u32) -> Option<u32> {
         self.ends.get(&line).copied()
@@ -164,7 +176,7 @@ impl CachedTable for OCodeIndex {
     fn bytes(&self) -> usize {
         let marks: usize = self.blocks.iter().map(|block| block.marks.len() * 4 + block.label.len()).sum();
         (self.subs.len() + self.programs.len() + self.blocks.len()) * 120
-            + (self.at.len() + self.ends.len()) * 16
+            + (self.at.len() + self.ends.len() + self.nested.len()) * 16
             + marks
     }
 }

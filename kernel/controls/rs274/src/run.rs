@@ -65,6 +65,10 @@ impl Rs274 {
             host.diagnose(&diag::SENDER_LINE, why);
             return Ok(Remaining::Nothing);
         }
+        if line.percent {
+            self.percent(host)?;
+            return Ok(Remaining::Nothing);
+        }
         if let Some(number) = line.number {
             host.set_sequence(number);
         }
@@ -87,7 +91,7 @@ impl Rs274 {
                 Rs274Item::Word(word) => {
                     let value = self.value(host, &word.value)?;
                     let (letter, spelled, span) = (word.letter, word.spelled.clone(), word.span);
-                    words.add(BlockWord { letter, value, spelled, span })?;
+                    words.add(BlockWord { letter, value, spelled, span }, self.grbl)?;
                 }
                 Rs274Item::Set(name, value) => {
                     let target = self.target(host, name)?;
@@ -286,7 +290,12 @@ impl Rs274 {
                 if code == 530 && self.needs_position(host, words) {
                     return Ok(false);
                 }
+                let had_inverse_time = host.is_active(ids::FEED_1T);
                 push_code(host, b'G', f64::from(code) / 10.0, span);
+                // The feed begins at 0; GRBL keeps it unless G93 was active.
+                if matches!(code, 940 | 950) && !words.has(b'f') && (had_inverse_time || !self.grbl) {
+                    letter(host, b'F', 0.0)?;
+                }
             }
             _ => return Ok(false),
         }
@@ -353,6 +362,16 @@ impl Rs274 {
 
     /// M66: reads the answer of the identification macro; without an answer #5399 keeps its value.
     fn read_input(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords) -> Outcome<()> {
+        if words.get(b'l').is_some_and(|how| how.round() > 0.0) {
+            if words.has(b'e') {
+                let text = "M66 reads the analogue input E at once, so L is 0: remove L";
+                return Err(Rs274Mistake::new(&diag::REFUSED, 20, text).into());
+            }
+            if words.get(b'q').is_none_or(|seconds| seconds <= 0.0) {
+                let text = "M66 waits for the input (L), but has no limit: write Q, the seconds, above 0";
+                return Err(Rs274Mistake::new(&diag::REFUSED, 28, text).into());
+            }
+        }
         let input = match (words.get(b'p'), words.get(b'e')) {
             (Some(input), None) => format!("M66 P{input}"),
             (None, Some(input)) => format!("M66 E{input}"),
