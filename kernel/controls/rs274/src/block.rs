@@ -103,7 +103,11 @@ impl BlockWords {
     }
 
     pub(super) fn has_axes(&self) -> bool {
-        self.words.iter().any(|word| AXES.contains(&word.letter))
+        self.words.iter().any(|word| AXES.contains(&word.letter)) || self.has_polar()
+    }
+
+    pub(super) fn has_polar(&self) -> bool {
+        self.has(b'@') || self.has(b'^')
     }
 
     fn has_offsets(&self) -> bool {
@@ -123,6 +127,10 @@ impl BlockWords {
         {
             let text = format!("{} and {} both use the axis words", spelled(taker.code), spelled(motion.code));
             return Err(refused(24, format!("{text}: write them in two blocks")));
+        }
+        if self.has_polar() && (takes || self.has(b'x') || self.has(b'y')) {
+            let other = if takes { "a code that is not a motion" } else { "X or Y" };
+            return Err(refused(20, format!("polar words are not possible beside {other}: write two blocks")));
         }
         let implied = || (self.has_axes() || self.has_offsets() && matches!(modes.motion, 20 | 30)) && !takes;
         self.motion = match explicit {
@@ -246,7 +254,7 @@ impl BlockWords {
         };
         for word in &self.words {
             let letter = word.letter;
-            let always = matches!(letter, b'f' | b's' | b't') || AXES.contains(&letter);
+            let always = matches!(letter, b'f' | b's' | b't' | b'@' | b'^') || AXES.contains(&letter);
             if !always && !of_codes(letter) && !of_m(letter) {
                 let name = char::from(letter.to_ascii_uppercase());
                 return Err(refused(36, format!("{name} is not used by a code of the block: remove it")));

@@ -15,13 +15,16 @@ mod expr;
 mod flow;
 mod line;
 mod motion;
+mod nurbs;
 mod offsets;
 mod outline;
 mod parameters;
 mod places;
+mod polar;
 mod run;
 mod system;
 mod text;
+mod threading;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -74,6 +77,8 @@ struct Rs274Modes {
     selected: Option<u32>,
     /// Words of the active cycle.
     cycle: cycles::StickyWords,
+    /// Control points since G5.2.
+    nurbs: nurbs::Nurbs,
 }
 
 /// A block whose first parts have acted.

@@ -18,7 +18,7 @@ use counterpoint_control_api::host::{AxisPlace, InterpreterHost};
 use counterpoint_control_api::words::Span;
 
 /// Largest distance of the lines of a spline from the spline, mm.
-const SPLINE: f64 = 0.002;
+pub(super) const SPLINE: f64 = 0.002;
 
 /// Largest number of lines of a spline.
 const LINES: f64 = 1000.0;
@@ -43,11 +43,20 @@ impl Rs274 {
         if !is_cycle(motion) {
             self.modes.cycle.end();
         }
+        let polar = super::polar::without_polar(host, words)?;
+        let words = polar.as_ref().unwrap_or(words);
         let span = words.whole;
         match motion {
             NO_MOTION => push_code(host, b'G', 80.0, span),
             50 | 51 => self.spline(host, words, (motion, before))?,
+            52 => {
+                let begins = before != 52 || words.has_g(52) && self.modes.nurbs.is_empty();
+                self.nurbs_point(host, words, begins)?;
+                return Ok(false);
+            }
+            53 => self.nurbs_end(host, words, before == 52)?,
             331 => self.tap(host, words)?,
+            760 => self.thread(host, words)?,
             motion if is_cycle(motion) => self.cycle(host, words, motion)?,
             0 | 10 if words.has_g(530) && !host.is_active(ids::POSITION_ABSOLUTE) => {
                 self.machine_distance(host, words)?
