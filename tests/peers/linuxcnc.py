@@ -6,8 +6,8 @@ usage: linuxcnc.py [--seeds N] [--first K] [--counterpoint BINARY] [--rs274 BINA
 
 Programs have O codes (sub, call, return, if, while, do, repeat, break, continue), parameters by number and with names,
 expressions, lines and circles, G10 L2 and L20 with rotation, G92 and its ends, G52, G28 and G30 with stored positions,
-G43, G43.1, G53, G90.1, canned cycles with G98 and G99, both units, and the blocks of rs274.py. What differs for a reason
-is not generated: see docs/coverage/linuxcnc.md.
+G43, G43.1, G53, G90.1, canned cycles with G98 and G99, G76, polar words, words of A, contours with cutter compensation,
+both units, and the blocks of rs274.py. What differs for a reason is not generated: see docs/coverage/linuxcnc.md.
 """
 import argparse
 import concurrent.futures
@@ -37,6 +37,12 @@ rapid = 10_000
 [[axes]]
 name = "Z"
 rapid = 10_000
+"""
+
+TOOL = f"""
+[[tool.offsets]]
+number = 1
+radius = {rs274.RADIUS}
 """
 
 
@@ -126,7 +132,11 @@ class Program:
         if code == "" and not self.moving:
             code = "G1 "
         self.moving = True
-        self.add(code + self.axes())
+        kind = self.rng.random()
+        if kind < 0.08:
+            self.add(f"{code}{self.word('@', 1, 60)} {self.word('^', -180, 180)}")
+            return
+        self.add(code + self.axes() + (" " + self.word("A", -400, 400) if kind < 0.14 else ""))
 
     moving = False
 
@@ -208,6 +218,18 @@ class Program:
             for _ in range(rng.randint(0, 3)):
                 self.add(" ".join(self.word(a) for a in rng.choice([("X",), ("Y",), ("X", "Y")])))
         self.add("G80")
+
+    def thread(self):
+        rng = self.rng
+        self.moving = False
+        first = round(rng.uniform(0.2, 0.6), 2)
+        way = rng.choice([-1, 1]) * round(rng.uniform(15, 60), 2)
+        words = f"P1.5 Z{number(way)} I{rng.choice(['', '-'])}{rng.randint(1, 3)} J{number(first)} K{number(first * rng.randint(2, 4))}"
+        for word in (f"R{number(round(rng.uniform(1, 2), 2))}", f"Q{rng.randint(1, 30)}", f"H{rng.randint(0, 2)}",
+                     f"E{number(round(rng.uniform(1, 5), 1))} L{rng.randint(0, 3)}"):
+            if rng.random() < 0.5:
+                words += f" {word}"
+        self.lines += ["G18 S500 M3 G91", f"G76 {words}", "G17 G90"]
 
     def mode(self):
         self.moving = False
@@ -291,8 +313,10 @@ class Program:
             self.cycle()
         elif kind < 0.82:
             self.mode()
-        elif kind < 0.86:
+        elif kind < 0.85:
             self.length()
+        elif kind < 0.86 and not self.turns:
+            self.thread()
         elif kind < 0.9:
             self.call()
         elif self.depth < 3:
@@ -334,6 +358,8 @@ class Program:
         self.moving = False
         for _ in range(rng.randint(10, 40)):
             self.one()
+        if not self.turns and rng.random() < 0.2:
+            self.lines += ["G54 G92.1 G40 G94 F500", *rs274.contour(rng)]
         return self.lines
 
 
@@ -427,7 +453,7 @@ def main():
     parser.add_argument("--show", type=int)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        rs274.prepare(folder, MACHINE)
+        rs274.prepare(folder, MACHINE + TOOL)
         if args.show is not None:
             return show(args, folder)
         counts = {"equal": 0, "different": 0, "refused": 0}
