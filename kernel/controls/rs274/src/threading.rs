@@ -83,13 +83,14 @@ impl ThreadShape {
     /// Depths of the passes below the drive line.
     fn depths(&self) -> Option<Vec<f64>> {
         let mut depths = Vec::new();
-        let mut depth = self.first;
-        while depth < self.full {
-            depths.push(self.peak + depth);
+        // Depths are compared with the peak added, as the control rounds them: K may be the exact depth of a pass.
+        let mut depth = self.peak + self.first;
+        while depth < self.full + self.peak {
+            depths.push(depth);
             if depths.len() > PASSES {
                 return None;
             }
-            depth = self.first * libm::pow((depths.len() + 1) as f64, 1.0 / self.degression);
+            depth = self.peak + self.first * libm::pow((depths.len() + 1) as f64, 1.0 / self.degression);
         }
         Some(depths)
     }
