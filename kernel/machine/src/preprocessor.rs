@@ -40,7 +40,7 @@ const PLAIN: PreprocessorRow = PreprocessorRow {
     external_variables: false,
 };
 
-static ROWS: [PreprocessorRow; 8] = [
+static ROWS: [PreprocessorRow; 9] = [
     PreprocessorRow { counts_increments: true, ..PLAIN },
     PreprocessorRow { name: "fanuc", calls_by_word: true, counts_increments: true, ..PLAIN },
     PreprocessorRow { name: "okuma", counts_increments: true, named_stops: true, ..PLAIN },
@@ -64,6 +64,7 @@ static ROWS: [PreprocessorRow; 8] = [
     },
     PreprocessorRow { name: "linuxcnc", semicolon_comments: true, ..PLAIN },
     PreprocessorRow { name: "grbl", semicolon_comments: true, ..PLAIN },
+    PreprocessorRow { name: "grblhal", semicolon_comments: true, ..PLAIN },
 ];
 
 /// Pre-processor of a control.

@@ -5,7 +5,7 @@
 
 use counterpoint_fault as diag;
 
-use super::codes::{AxisUse, GCode, NO_MOTION, g_code, is_cycle, m_code, spelled};
+use super::codes::{AxisUse, GCode, NO_MOTION, Rs274Kind, g_code, is_cycle, m_code, spelled};
 use super::text::Rs274Mistake;
 use counterpoint_control_api::words::Span;
 
@@ -44,7 +44,7 @@ pub(super) struct BlockWords {
 /// Modes that affect the meaning of a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BlockModes {
-    pub(super) grbl: bool,
+    pub(super) kind: Rs274Kind,
     /// The active motion.
     pub(super) motion: u16,
     /// G93 is active.
@@ -57,12 +57,12 @@ fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
 
 impl BlockWords {
     /// Adds a word; GRBL refuses it before it looks at the other words of the block.
-    pub(super) fn add(&mut self, word: BlockWord, grbl: bool) -> Result<(), Rs274Mistake> {
+    pub(super) fn add(&mut self, word: BlockWord, kind: Rs274Kind) -> Result<(), Rs274Mistake> {
         if self.whole == Span::default() {
             self.whole = word.span;
         }
-        if grbl {
-            check_grbl(&word)?;
+        if kind.is_firmware() {
+            check_firmware(&word, kind)?;
         }
         match word.letter {
             b'g' => {
@@ -116,8 +116,8 @@ impl BlockWords {
 
     /// Refuses the blocks that the control refuses, and determines the motion of the block.
     pub(super) fn check(&mut self, modes: BlockModes) -> Result<(), Rs274Mistake> {
-        let codes = self.codes(modes.grbl)?;
-        self.check_m(modes.grbl)?;
+        let codes = self.codes(modes.kind)?;
+        self.check_m(modes.kind)?;
         let taker = codes.iter().find(|code| matches!(code.axes, AxisUse::Takes | AxisUse::Needs));
         let explicit = codes.iter().find(|code| code.group == 1);
         let takes = taker.is_some() && self.has_axes();
@@ -147,21 +147,21 @@ impl BlockWords {
         if let Some(motion) = self.motion.filter(|motion| *motion != NO_MOTION) {
             self.check_motion(motion, modes, explicit.is_some())?;
         }
-        self.check_unused(&codes, modes.grbl)?;
+        self.check_unused(&codes, modes.kind)?;
         self.check_signs()
     }
 
     /// The G codes of the block. Refuses unknown codes and two codes of one group.
-    fn codes(&self, grbl: bool) -> Result<Vec<&'static GCode>, Rs274Mistake> {
+    fn codes(&self, kind: Rs274Kind) -> Result<Vec<&'static GCode>, Rs274Mistake> {
         let mut codes: Vec<&'static GCode> = Vec::with_capacity(self.g.len());
-        let moves = |code: u16| code != NO_MOTION && g_code(code, grbl).is_some_and(|facts| facts.group == 1);
+        let moves = |code: u16| code != NO_MOTION && g_code(code, kind).is_some_and(|facts| facts.group == 1);
         let has_motion = self.g.iter().any(|(code, _)| moves(*code));
         for (code, _) in &self.g {
             // LinuxCNC ignores G80 beside a motion.
-            if *code == NO_MOTION && has_motion && !grbl {
+            if *code == NO_MOTION && has_motion && !kind.is_firmware() {
                 continue;
             }
-            let Some(facts) = g_code(*code, grbl) else {
+            let Some(facts) = g_code(*code, kind) else {
                 let text = format!("{} is not a code of this control", spelled(*code));
                 return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
             };
@@ -179,10 +179,10 @@ impl BlockWords {
         Ok(codes)
     }
 
-    fn check_m(&self, grbl: bool) -> Result<(), Rs274Mistake> {
+    fn check_m(&self, kind: Rs274Kind) -> Result<(), Rs274Mistake> {
         let mut groups: Vec<u8> = Vec::new();
         for (code, _) in &self.m {
-            let Some(facts) = m_code(*code, grbl) else {
+            let Some(facts) = m_code(*code, kind) else {
                 let text = format!("M{code} is not a code of this control");
                 return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
             };
@@ -216,7 +216,7 @@ impl BlockWords {
             return Err(refused(30, format!("G53 needs G0 or G1, but {name} is active")));
         }
         if matches!(motion, 20 | 30) && (self.has_axes() || self.has_offsets() || self.has(b'r')) {
-            if modes.grbl && !self.has_axes() {
+            if modes.kind.is_firmware() && !self.has_axes() {
                 return Err(refused(26, format!("{name} has no axis word")));
             }
             if !self.has_offsets() && !self.has(b'r') {
@@ -244,12 +244,12 @@ impl BlockWords {
         Ok(())
     }
 
-    fn check_unused(&self, codes: &[&'static GCode], grbl: bool) -> Result<(), Rs274Mistake> {
-        let motion = self.motion.and_then(|motion| g_code(motion, grbl));
+    fn check_unused(&self, codes: &[&'static GCode], kind: Rs274Kind) -> Result<(), Rs274Mistake> {
+        let motion = self.motion.and_then(|motion| g_code(motion, kind));
         let of_codes =
             |letter| codes.iter().chain(&motion).any(|code| code.letters.bytes().any(|known| known == letter));
         let of_m = |letter: u8| {
-            let mut facts = self.m.iter().filter_map(|(code, _)| m_code(*code, grbl));
+            let mut facts = self.m.iter().filter_map(|(code, _)| m_code(*code, kind));
             facts.any(|facts| facts.letters.bytes().any(|known| known == letter))
         };
         for word in &self.words {
@@ -278,17 +278,21 @@ impl BlockWords {
     }
 }
 
-/// Refuses the words that GRBL refuses by themselves.
-fn check_grbl(word: &BlockWord) -> Result<(), Rs274Mistake> {
+/// Refuses the words that GRBL and grblHAL refuse by themselves.
+fn check_firmware(word: &BlockWord, kind: Rs274Kind) -> Result<(), Rs274Mistake> {
     let name = char::from(word.letter.to_ascii_uppercase());
-    if !matches!(word.letter, b'g' | b'm') && !GRBL_LETTERS.contains(&word.letter) {
+    let known = match kind {
+        Rs274Kind::GrblHal => word.letter.is_ascii_lowercase(),
+        _ => matches!(word.letter, b'g' | b'm') || GRBL_LETTERS.contains(&word.letter),
+    };
+    if !known {
         let text = format!("{name} is not a word of this control: remove it");
         return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, text));
     }
     if matches!(word.letter, b'f' | b'p' | b's' | b't') && word.value < 0.0 {
         return Err(refused(4, format!("{name} is negative: write a positive number")));
     }
-    if word.letter == b't' && word.value > GRBL_TOOLS {
+    if kind == Rs274Kind::Grbl && word.letter == b't' && word.value > GRBL_TOOLS {
         return Err(refused(38, format!("{name} is at most {GRBL_TOOLS}")));
     }
     Ok(())
@@ -314,14 +318,15 @@ mod tests {
     use super::*;
 
     fn checked(text: &str, grbl: bool, motion: u16) -> Result<Option<u16>, u8> {
+        let kind = if grbl { Rs274Kind::Grbl } else { Rs274Kind::LinuxCnc };
         let mut block = BlockWords::default();
         for word in text.split(' ') {
             let (letter, value) = word.split_at(1);
             let word =
                 BlockWord { letter: letter.as_bytes()[0], value: value.parse().unwrap(), spelled: None, span: (0, 1) };
-            block.add(word, grbl).map_err(|mistake| mistake.error)?;
+            block.add(word, kind).map_err(|mistake| mistake.error)?;
         }
-        block.check(BlockModes { grbl, motion, inverse_time: false }).map_err(|mistake| mistake.error)?;
+        block.check(BlockModes { kind, motion, inverse_time: false }).map_err(|mistake| mistake.error)?;
         Ok(block.motion)
     }
 

@@ -6,6 +6,41 @@
 /// Motion code that represents no active motion.
 pub(super) const NO_MOTION: u16 = 800;
 
+/// The control whose words the interpreter has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rs274Kind {
+    LinuxCnc,
+    /// GRBL 1.1: no parameters, expressions or O codes.
+    Grbl,
+    /// grblHAL: the language of LinuxCNC with part of its words, and the error numbers of GRBL.
+    GrblHal,
+}
+
+impl Rs274Kind {
+    /// Whether mistakes have the error numbers of GRBL, and the rules of GRBL apply that both firmwares have.
+    pub(super) fn is_firmware(self) -> bool {
+        self != Self::LinuxCnc
+    }
+
+    /// Whether the control has parameters, expressions and O codes.
+    pub(super) fn has_language(self) -> bool {
+        self != Self::Grbl
+    }
+
+    fn has_g(self, facts: &GCode) -> bool {
+        match self {
+            Self::LinuxCnc => true,
+            Self::Grbl => facts.grbl,
+            Self::GrblHal => !NOT_OF_GRBLHAL.contains(&facts.code),
+        }
+    }
+}
+
+/// G codes of LinuxCNC that grblHAL does not have on a router: NURBS, cutter compensation, and words of lathes and of
+/// spindles with an encoder.
+const NOT_OF_GRBLHAL: &[u16] =
+    &[52, 53, 70, 80, 330, 331, 410, 411, 420, 421, 520, 611, 640, 740, 760, 840, 901, 922, 923, 950, 960, 970];
+
 /// How a code uses axis words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AxisUse {
@@ -121,9 +156,9 @@ static G_CODES: &[GCode] = &[
 ];
 
 /// A G code, if the control has it.
-pub(super) fn g_code(code: u16, grbl: bool) -> Option<&'static GCode> {
+pub(super) fn g_code(code: u16, kind: Rs274Kind) -> Option<&'static GCode> {
     let at = G_CODES.binary_search_by_key(&code, |facts| facts.code).ok()?;
-    G_CODES.get(at).filter(|facts| facts.grbl || !grbl)
+    G_CODES.get(at).filter(|facts| kind.has_g(facts))
 }
 
 /// Whether a motion is a canned cycle.
@@ -144,14 +179,15 @@ pub(super) struct MCode {
 }
 
 /// An M code, if the control has it.
-pub(super) fn m_code(code: u16, grbl: bool) -> Option<MCode> {
+pub(super) fn m_code(code: u16, kind: Rs274Kind) -> Option<MCode> {
     let facts = |group, letters, needs| Some(MCode { group, letters, needs });
     match code {
         0 | 1 | 2 | 30 => facts(4, "", ""),
         3..=5 => facts(7, "$", ""),
         7 | 8 => facts(8, "", ""),
         9 => facts(12, "", ""),
-        _ if grbl => None,
+        _ if kind == Rs274Kind::Grbl => None,
+        19 | 98 | 100..=199 if kind == Rs274Kind::GrblHal => None,
         60 => facts(4, "", ""),
         6 => facts(6, "", ""),
         19 => facts(7, "rqp$", ""),
@@ -177,6 +213,10 @@ mod tests {
     fn codes_are_in_order() {
         assert!(G_CODES.is_sorted_by_key(|facts| facts.code));
         assert_eq!((spelled(382), spelled(10)), ("G38.2".to_owned(), "G1".to_owned()));
-        assert!(g_code(810, true).is_none() && g_code(810, false).is_some());
+        let [linuxcnc, grbl, grblhal] = [Rs274Kind::LinuxCnc, Rs274Kind::Grbl, Rs274Kind::GrblHal];
+        assert!(g_code(810, grbl).is_none() && g_code(810, linuxcnc).is_some() && g_code(810, grblhal).is_some());
+        assert!(g_code(410, grblhal).is_none() && g_code(591, grblhal).is_some());
+        assert!(m_code(19, grblhal).is_none() && m_code(6, grblhal).is_some() && m_code(6, grbl).is_none());
+        assert!(NOT_OF_GRBLHAL.iter().all(|code| g_code(*code, linuxcnc).is_some()));
     }
 }

@@ -1,6 +1,7 @@
-//! LinuxCNC and GRBL as dialects.
+//! LinuxCNC, GRBL and grblHAL as dialects.
 
 use super::Rs274;
+use super::codes::Rs274Kind;
 use counterpoint_control_api::definition::{Dialect, Unknown};
 use counterpoint_control_api::interpreter::Interpreter;
 use counterpoint_control_api::outline::OutlineReader;
@@ -21,8 +22,11 @@ pub struct LinuxCncDialect;
 /// GRBL 1.1.
 pub struct GrblDialect;
 
-fn interpreter(machine: &Machine, grbl: bool) -> Rs274 {
-    Rs274::new(grbl, machine.variables.system.initial.iter().copied())
+/// grblHAL.
+pub struct GrblHalDialect;
+
+fn interpreter(machine: &Machine, kind: Rs274Kind) -> Rs274 {
+    Rs274::new(kind, machine.variables.system.initial.iter().copied())
 }
 
 impl Dialect for LinuxCncDialect {
@@ -43,11 +47,11 @@ impl Dialect for LinuxCncDialect {
     }
 
     fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
-        Some(Box::new(interpreter(machine, false)))
+        Some(Box::new(interpreter(machine, Rs274Kind::LinuxCnc)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
-        Some(Box::new(interpreter(machine, false)))
+        Some(Box::new(interpreter(machine, Rs274Kind::LinuxCnc)))
     }
 }
 
@@ -69,10 +73,36 @@ impl Dialect for GrblDialect {
     }
 
     fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
-        Some(Box::new(interpreter(machine, true)))
+        Some(Box::new(interpreter(machine, Rs274Kind::Grbl)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
-        Some(Box::new(interpreter(machine, true)))
+        Some(Box::new(interpreter(machine, Rs274Kind::Grbl)))
+    }
+}
+
+impl Dialect for GrblHalDialect {
+    fn name(&self) -> &'static str {
+        "grblhal"
+    }
+
+    fn title(&self) -> &'static str {
+        "grblHAL"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn unknown_text(&self, text: &str, _: Unknown) -> String {
+        format!("error:20 {text} is not known to this control")
+    }
+
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
+        Some(Box::new(interpreter(machine, Rs274Kind::GrblHal)))
+    }
+
+    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        Some(Box::new(interpreter(machine, Rs274Kind::GrblHal)))
     }
 }

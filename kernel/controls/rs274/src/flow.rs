@@ -154,9 +154,9 @@ impl Rs274 {
         if (place.range.first, place.range.last) == (line, end) { Ok(()) } else { self.go(host, end.saturating_add(1)) }
     }
 
-    /// A percent sign alone in its line: the first line and the end of a text. GRBL does not get such lines.
+    /// A percent sign alone in its line: the first line and the end of a text. GRBL and grblHAL ignore such lines.
     pub(super) fn percent(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
-        if self.grbl {
+        if self.kind.is_firmware() {
             return Ok(());
         }
         let place = host.place();

@@ -1,4 +1,4 @@
-//! RS274/NGC: LinuxCNC, and GRBL, which has only the words of the language.
+//! RS274/NGC: LinuxCNC, grblHAL, and GRBL, which has only the words of the language.
 //!
 //! Facts: LinuxCNC documentation (G code chapters), Grbl 1.1 README and list of errors. A block is read once (`line`,
 //! kept by file and line). Its values are evaluated, and then its assignments take effect. Then it is checked as a
@@ -34,7 +34,7 @@ use counterpoint_fault::Halt;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_program::kept::{LineCache, TableCache};
 
-pub use control::{GrblDialect, LinuxCncDialect};
+pub use control::{GrblDialect, GrblHalDialect, LinuxCncDialect};
 
 use block::BlockWords;
 use counterpoint_control_api::host::InterpreterHost;
@@ -91,8 +91,7 @@ struct PendingBlock {
 /// The interpreter.
 #[derive(Debug)]
 pub struct Rs274 {
-    /// GRBL: no parameters or O codes, and GRBL's error numbers.
-    grbl: bool,
+    kind: codes::Rs274Kind,
     parameters: parameters::Rs274Parameters,
     offsets: offsets::Rs274Offsets,
     modes: Rs274Modes,
@@ -109,10 +108,10 @@ pub struct Rs274 {
 
 impl Rs274 {
     /// Creates the interpreter with the machine's initial values of parameters.
-    pub(crate) fn new(grbl: bool, initial: impl Iterator<Item = (u32, f64)>) -> Self {
+    pub(crate) fn new(kind: codes::Rs274Kind, initial: impl Iterator<Item = (u32, f64)>) -> Self {
         let parameters = parameters::Rs274Parameters::new(initial);
         let mut made = Self {
-            grbl,
+            kind,
             touches: parameters.number(5070) != 0.0,
             parameters,
             offsets: offsets::Rs274Offsets::default(),
@@ -130,7 +129,7 @@ impl Rs274 {
 
     /// Modes at the start of a program.
     fn begin(&mut self) {
-        let motion = if self.grbl { 0 } else { codes::NO_MOTION };
+        let motion = if self.kind.is_firmware() { 0 } else { codes::NO_MOTION };
         self.modes = Rs274Modes { motion, ..Rs274Modes::default() };
         self.saved.clear();
         self.pending = PendingBlock::default();
@@ -148,7 +147,7 @@ impl Rs274 {
         if let Some(line) = self.read.get(key).filter(|_| as_read) {
             return Arc::clone(line);
         }
-        let line = Arc::new(line::read(text, !self.grbl));
+        let line = Arc::new(line::read(text, self.kind.has_language()));
         if as_read && self.caching {
             self.read.insert(key, &line, text.len());
         }
@@ -162,7 +161,7 @@ impl Rs274 {
             Err(Rs274Stop::Halt(halt)) => Err(halt),
             Err(Rs274Stop::Alarm(mistake)) => {
                 self.pending.parts.clear();
-                let error = if self.grbl { format!("error:{} ", mistake.error) } else { String::new() };
+                let error = if self.kind.is_firmware() { format!("error:{} ", mistake.error) } else { String::new() };
                 let (block, text) = (host.block_text(), &*mistake.text);
                 let text = match text.rsplit_once(": ").filter(|_| !text.starts_with("column")) {
                     Some((what, remedy)) => format!("{error}{what} in '{block}': {remedy}"),

@@ -253,7 +253,7 @@ impl Rs274 {
         }
         self.parameters.set_number(5070, f64::from(u8::from(self.touches)))?;
         if !self.touches && matches!(self.modes.motion, 382 | 384) {
-            let alarm = if self.grbl { "ALARM:5 " } else { "" };
+            let alarm = if self.kind.is_firmware() { "ALARM:5 " } else { "" };
             let text = format!("{alarm}the probe made no contact in '{}'", host.block_text());
             return Err(host.alarm(&diag::PROBE_MISSED, text).into());
         }

@@ -198,7 +198,7 @@ impl Rs274 {
         (work, machine, given): (Letters, Letters, &[Option<f64>; 9]),
     ) -> Outcome<()> {
         let kind = block.get(b'l').unwrap_or(-1.0);
-        if kind == 0.0 && !self.grbl {
+        if kind == 0.0 && self.kind.has_language() {
             return Ok(());
         }
         let Some(number) = block.get(b'p') else {
@@ -206,13 +206,13 @@ impl Rs274 {
         };
         match kind {
             2.0 | 20.0 => self.set_work_offset(host, block, (kind == 20.0, number), (work, machine, given)),
-            1.0 | 10.0 | 11.0 if !self.grbl => {
+            1.0 | 10.0 | 11.0 if self.kind.has_language() => {
                 if block.has(b'i') || block.has(b'j') {
                     return Err(refused("I and J of a tool are its angles, which this machine does not have").into());
                 }
                 self.set_tool(host, block, (kind, number), (work, machine, given))
             }
-            _ if self.grbl => Err(refused("L of G10 is 2 or 20").into()),
+            _ if !self.kind.has_language() => Err(refused("L of G10 is 2 or 20").into()),
             _ => Err(refused("L of G10 is 0, 1, 2, 10, 11 or 20").into()),
         }
     }
@@ -224,12 +224,12 @@ impl Rs274 {
         (here, number): (bool, f64),
         (_, machine, given): (Letters, Letters, &[Option<f64>; 9]),
     ) -> Outcome<()> {
-        let most = if self.grbl { 6.0 } else { 9.0 };
+        let most = if !self.kind.has_language() { 6.0 } else { 9.0 };
         if number.fract() != 0.0 || !(0.0..=most).contains(&number) {
             let error = if number > most { 29 } else { 20 };
             return Err(Rs274Mistake { error, ..refused(format!("P of G10 is 0 to {most}")) }.into());
         }
-        if self.grbl && block.has(b'r') {
+        if self.kind.is_firmware() && block.has(b'r') {
             return Err(Rs274Mistake { error: 20, ..refused("R of G10 is not possible on this control") }.into());
         }
         let system = if number == 0.0 { host.work_offset().max(1) } else { number as u32 };
@@ -322,7 +322,7 @@ impl Rs274 {
                 }
             }
         }
-        if self.grbl && given.iter().enumerate().any(|(at, value)| value.is_some() && at != 2) {
+        if !self.kind.has_language() && given.iter().enumerate().any(|(at, value)| value.is_some() && at != 2) {
             return Err(Rs274Mistake { error: 37, ..refused("G43.1 has Z only on this control") }.into());
         }
         host.set_tool_offset(OWN_LENGTH, &by_axis(&places, &values, factor));

@@ -11,7 +11,7 @@ use counterpoint_program::spot::BlockStart;
 
 impl OutlineReader for Rs274 {
     fn outline(&mut self, programs: &mut dyn ProgramHost, text: &[u8]) -> Vec<OutlineStep> {
-        let line = match read(text, !self.grbl) {
+        let line = match read(text, self.kind.has_language()) {
             Ok(line) => line,
             Err(mistake) => return vec![OutlineStep::Mistake(mistake.text)],
         };
@@ -37,7 +37,7 @@ impl Rs274 {
                 Some(value) if word.letter == b'm' && *value == 99.0 => returns = true,
                 // The interpreter executes these itself.
                 Some(value) if word.letter == b'm' && (50.0..74.0).contains(value) && *value != 60.0 => {}
-                Some(_) if word.letter == b't' && self.grbl => {}
+                Some(_) if word.letter == b't' && !self.kind.has_language() => {}
                 Some(value) if matches!(word.letter, b'm' | b't') => plain.push_str(&format!("{letter}{value} ")),
                 Some(value) if word.letter == b'p' => called = Some(*value),
                 Some(value) if word.letter == b'l' => passes = Some(*value as u32),

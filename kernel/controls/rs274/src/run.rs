@@ -77,7 +77,7 @@ impl Rs274 {
             return Ok(Remaining::Nothing);
         }
         let words = self.evaluate(host, line)?;
-        if let Some(comment) = line.comment.filter(|_| !self.grbl) {
+        if let Some(comment) = line.comment.filter(|_| self.kind.has_language()) {
             self.comment(host, text, comment)?;
         }
         self.begin_block(host, words)
@@ -91,7 +91,7 @@ impl Rs274 {
                 Rs274Item::Word(word) => {
                     let value = self.value(host, &word.value)?;
                     let (letter, spelled, span) = (word.letter, word.spelled.clone(), word.span);
-                    words.add(BlockWord { letter, value, spelled, span }, self.grbl)?;
+                    words.add(BlockWord { letter, value, spelled, span }, self.kind)?;
                 }
                 Rs274Item::Set(name, value) => {
                     let target = self.target(host, name)?;
@@ -110,7 +110,7 @@ impl Rs274 {
             return Ok(Remaining::Nothing);
         }
         let inverse_time = host.is_active(ids::FEED_1T);
-        words.check(BlockModes { grbl: self.grbl, motion: self.modes.motion, inverse_time })?;
+        words.check(BlockModes { kind: self.kind, motion: self.modes.motion, inverse_time })?;
         self.own_functions(host, &words)?;
         let has = |code: &[u16]| words.g.iter().any(|(known, _)| code.contains(known));
         let statement = has(&[100, 281, 301, 520, 920, 921, 922, 923]);
@@ -214,7 +214,7 @@ impl Rs274 {
                 self.modes.selected = Some(word.value as u32);
             }
             // GRBL stores the tool number but does not use it.
-            if is && !(self.grbl && word.letter == b't') {
+            if is && (self.kind.has_language() || word.letter != b't') {
                 push_word(host, word)?;
                 wrote = true;
             }
@@ -294,7 +294,7 @@ impl Rs274 {
                 let had_inverse_time = host.is_active(ids::FEED_1T);
                 push_code(host, b'G', f64::from(code) / 10.0, span);
                 // The feed begins at 0; GRBL keeps it unless G93 was active.
-                if matches!(code, 940 | 950) && !words.has(b'f') && (had_inverse_time || !self.grbl) {
+                if matches!(code, 940 | 950) && !words.has(b'f') && (had_inverse_time || !self.kind.is_firmware()) {
                     letter(host, b'F', 0.0)?;
                 }
             }

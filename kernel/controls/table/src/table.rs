@@ -8,13 +8,13 @@ use counterpoint_control_fanuc::FanucDialect;
 use counterpoint_control_heidenhain::HeidenhainDialect;
 use counterpoint_control_isg::IsgDialect;
 use counterpoint_control_okuma::OkumaDialect;
-use counterpoint_control_rs274::{GrblDialect, LinuxCncDialect};
+use counterpoint_control_rs274::{GrblDialect, GrblHalDialect, LinuxCncDialect};
 use counterpoint_control_siemens::SiemensDialect;
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
 
 /// A new control is one line here, one in the table of [`Preprocessor`], and its crate.
-static DIALECTS: [&dyn Dialect; 8] = [
+static DIALECTS: [&dyn Dialect; 9] = [
     &plain::PlainDialect,
     &FanucDialect,
     &OkumaDialect,
@@ -23,6 +23,7 @@ static DIALECTS: [&dyn Dialect; 8] = [
     &IsgDialect,
     &LinuxCncDialect,
     &GrblDialect,
+    &GrblHalDialect,
 ];
 
 /// All dialects.

@@ -45,6 +45,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-twin-head",
             "fanuc-twin-spindle",
             "grbl-router",
+            "grblhal-router-4axis",
             "haas-lathe",
             "haas-lathe-ds",
             "haas-mill",
