@@ -10,6 +10,7 @@ use counterpoint_machine::ident::codes as ids;
 use super::block::{AXES, BlockWords};
 use super::codes::spelled;
 use super::motion::{push_axis, push_feed, work};
+use super::polar::without_polar;
 use super::run::{push_code, push_named, push_value};
 use super::text::Rs274Mistake;
 use super::{Outcome, Rs274};
@@ -109,6 +110,8 @@ impl Rs274 {
         // These cycles feed out of the hole up to the return level.
         let feeds_out = matches!(code, 740 | 840 | 890) && back > clear;
         for pass in 0..count as u32 {
+            let polar = without_polar(host, words, pass)?;
+            let words = polar.as_ref().unwrap_or(words);
             push_code(host, b'G', f64::from(code / 10), span);
             if pass == 0 {
                 push_feed(host, words)?;

@@ -10,6 +10,7 @@ use counterpoint_machine::ident::codes as ids;
 use super::block::{AXES, BlockWord, BlockWords};
 use super::codes::{NO_MOTION, is_cycle};
 use super::offsets::no_axis;
+use super::polar::without_polar;
 use super::run::{push_code, push_value, push_word};
 use super::system::{PROBED, axis};
 use super::text::Rs274Mistake;
@@ -43,7 +44,7 @@ impl Rs274 {
         if !is_cycle(motion) {
             self.modes.cycle.end();
         }
-        let polar = super::polar::without_polar(host, words)?;
+        let (block, polar) = (words, without_polar(host, words, 0)?);
         let words = polar.as_ref().unwrap_or(words);
         let span = words.whole;
         match motion {
@@ -57,7 +58,7 @@ impl Rs274 {
             53 => self.nurbs_end(host, words, before == 52)?,
             331 => self.tap(host, words)?,
             760 => self.thread(host, words)?,
-            motion if is_cycle(motion) => self.cycle(host, words, motion)?,
+            motion if is_cycle(motion) => self.cycle(host, block, motion)?,
             0 | 10 if words.has_g(530) && !host.is_active(ids::POSITION_ABSOLUTE) => {
                 self.machine_distance(host, words)?
             }

@@ -8,7 +8,6 @@ use counterpoint_machine::ident::codes as ids;
 
 use super::Outcome;
 use super::block::{BlockWord, BlockWords};
-use super::codes::is_cycle;
 use super::system::axis;
 use super::text::Rs274Mistake;
 use counterpoint_control_api::host::InterpreterHost;
@@ -18,8 +17,9 @@ fn refused(error: u8, text: &str) -> Rs274Mistake {
     Rs274Mistake::new(&diag::REFUSED, error, text)
 }
 
-/// The block with X and Y instead of polar words; `None` if it has none.
-pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords) -> Outcome<Option<BlockWords>> {
+/// The block with X and Y instead of polar words; `None` if it has none. In incremental mode, each pass of a repeated
+/// cycle adds the words to the point of the pass before, from pass 0 on.
+pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords, pass: u32) -> Outcome<Option<BlockWords>> {
     if !words.has_polar() {
         return Ok(None);
     }
@@ -30,9 +30,6 @@ pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords) -> O
         return Err(refused(20, "polar words are not possible beside G53: write X and Y").into());
     }
     let (places, relative) = (host.axes(), host.relative());
-    if relative && words.motion.is_some_and(is_cycle) && words.get(b'l').is_some_and(|passes| passes > 1.0) {
-        return Err(refused(20, "L repeats no polar words: write a block for each hole").into());
-    }
     let here = [0, 1].map(|at| axis(&places, at).map_or(0.0, |place| place.work));
     let [x, y] = here;
     let (distance, angle) = (words.get(b'@'), words.get(b'^'));
@@ -41,12 +38,11 @@ pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords) -> O
         return Err(refused(20, "the angle of the current point is not defined, because it is the origin").into());
     }
     let (now, turned) = (libm::hypot(x, y), libm::atan2(y, x).to_degrees());
-    let (radius, degrees) = if relative {
-        (now + distance.unwrap_or(0.0), turned + angle.unwrap_or(0.0))
-    } else {
-        (distance.unwrap_or(now), angle.unwrap_or(turned))
-    };
-    let to = [radius * cosine(degrees), radius * sine(degrees)];
+    let point = |radius: f64, degrees: f64| [radius * cosine(degrees), radius * sine(degrees)];
+    let (more, turn) = (distance.unwrap_or(0.0), angle.unwrap_or(0.0));
+    let after = |passes: u32| point(now + more * f64::from(passes), turned + turn * f64::from(passes));
+    let to = if relative { after(pass + 1) } else { point(distance.unwrap_or(now), angle.unwrap_or(turned)) };
+    let here = if pass > 0 { after(pass) } else { here };
     let span = words.word(b'@').or(words.word(b'^')).map_or(words.whole, |word| word.span);
     let mut made = words.clone();
     made.words.retain(|word| !matches!(word.letter, b'@' | b'^'));
