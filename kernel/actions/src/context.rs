@@ -19,6 +19,7 @@ use counterpoint_sync::wait;
 use counterpoint_sync::wait::Wait;
 use counterpoint_waits::coupling::CoupledPair;
 
+use counterpoint_channel::callee::{Callee, Pending};
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::coupling::Parking;
 use counterpoint_channel::cycle::CycleHole;
@@ -27,8 +28,7 @@ use counterpoint_channel::offset_tables::OffsetTable;
 use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_channel::turning::ContourCycle;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::channel::callee::{Callee, Pending};
-use counterpoint_emulator::channel::data_plan::DataSource;
+use counterpoint_program::data_plan::DataSource;
 
 /// The effect of a code on its channel.
 pub(crate) trait CodeAction: Debug + Sync {
@@ -133,7 +133,7 @@ impl ActionContext<'_, '_> {
     }
 
     /// Registers of corners and of directions of lines.
-    pub(crate) fn contour_registers(&self) -> counterpoint_emulator::channel::plan::ContourRegisters {
+    pub(crate) fn contour_registers(&self) -> counterpoint_program::registers::ContourRegisters {
         self.kernel.plan.registers.contour
     }
 

@@ -25,8 +25,8 @@ use counterpoint_program::spot::BlockStart;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::callee::Pending;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::channel::callee::Pending;
 
 /// Begins an expression or statement of the macro language within a block.
 const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];

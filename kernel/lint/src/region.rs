@@ -2,7 +2,7 @@
 
 use counterpoint_program::spot::BlockStart;
 
-use counterpoint_emulator::channel::callee::Callee;
+use counterpoint_channel::callee::Callee;
 
 /// Lines of the running program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

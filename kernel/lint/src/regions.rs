@@ -15,8 +15,8 @@ use super::region::{Looked, Meant, ProgramRegion, before};
 use super::statements::computed;
 use super::{Linter, MOST, Outline};
 use counterpoint_channel::at::BlockPlace;
-use counterpoint_emulator::channel::callee::Callee;
-use counterpoint_emulator::channel::flow::RunningProgram;
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::RunningProgram;
 
 /// Most calls within each other that are looked through.
 const DEEP: usize = 32;

@@ -15,7 +15,7 @@ use counterpoint_program::spot::BlockStart;
 
 use super::Linter;
 use super::region::{Looked, ProgramRegion, before};
-use counterpoint_emulator::channel::callee::Pending;
+use counterpoint_channel::callee::Pending;
 
 impl Linter<'_, '_> {
     /// Follows the steps of a block in their order.

@@ -11,7 +11,7 @@ use counterpoint_program::block::PendingCode;
 
 use super::Linter;
 use super::region::{Certain, Meant};
-use counterpoint_emulator::channel::callee::{Callee, Pending};
+use counterpoint_channel::callee::{Callee, Pending};
 
 /// Codes at which channels wait or let each other continue.
 const MEETINGS: [CodeId; 15] = [

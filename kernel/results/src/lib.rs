@@ -21,6 +21,7 @@ mod sync_points;
 pub mod timeline;
 pub mod toolpath;
 pub mod tools;
+pub mod trace_lines;
 
 #[cfg(test)]
 pub mod testing;

@@ -12,21 +12,7 @@ use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::verdict;
 
 use super::Kernel;
-
-/// The shared data of an access.
-#[derive(Debug, Clone, Copy)]
-pub enum Door<'n> {
-    /// A numbered common variable.
-    Common(u32),
-    /// A variable with a name.
-    Named(&'n str),
-    /// A GLOBAL variable of macros, by index.
-    Global(u32),
-    /// A spindle; conflicts of its commands are reported by a rule of their own (`spindle-conflict`).
-    Spindle,
-    /// A file; lines of several channels in one file are an ordered log, so they are not judged.
-    File,
-}
+use counterpoint_channel::shared_target::SharedTarget;
 
 /// Executes an access; a write may end loops in which other channels wait.
 fn reach<R>(order: &mut Order, mode: AccessMode, operation: impl FnOnce(&mut SharedState) -> R) -> R {
@@ -36,32 +22,6 @@ fn reach<R>(order: &mut Order, mode: AccessMode, operation: impl FnOnce(&mut Sha
     operation(&mut order.shared)
 }
 
-impl Door<'_> {
-    /// Whether it leads to this variable.
-    pub(super) fn leads_to(self, variable: &RaceVariable) -> bool {
-        match (self, variable) {
-            (Self::Named(name), RaceVariable::Named(known)) => *name == **known,
-            (Self::Common(index), RaceVariable::Common(known)) | (Self::Global(index), RaceVariable::Global(known)) => {
-                index == *known
-            }
-            _ => false,
-        }
-    }
-
-    /// The variable of programs that it leads to.
-    pub(super) fn variable(self) -> Option<RaceVariable> {
-        match self {
-            Self::Common(index) => Some(RaceVariable::Common(index)),
-            // Not a variable of programs: data of pre-processors about a definition, which the first definition makes
-            // for all.
-            Self::Named(name) if name.contains(' ') => None,
-            Self::Named(name) => Some(RaceVariable::Named(name.into())),
-            Self::Global(index) => Some(RaceVariable::Global(index)),
-            Self::Spindle | Self::File => None,
-        }
-    }
-}
-
 impl Kernel<'_> {
     /// Accesses shared data in tag order. An operator who steps through the job may stop it after a write.
     ///
@@ -69,7 +29,7 @@ impl Kernel<'_> {
     /// The job was stopped before, or a race is an alarm.
     pub fn access<R>(
         &mut self,
-        door: Door<'_>,
+        door: SharedTarget<'_>,
         mode: AccessMode,
         operation: impl FnOnce(&mut SharedState) -> R,
     ) -> Result<R, Halt> {
@@ -82,7 +42,7 @@ impl Kernel<'_> {
 
     fn access_in_order<R>(
         &mut self,
-        door: Door<'_>,
+        door: SharedTarget<'_>,
         mode: AccessMode,
         operation: impl FnOnce(&mut SharedState) -> R,
     ) -> Result<R, Halt> {
@@ -91,7 +51,7 @@ impl Kernel<'_> {
         } else {
             self.flow.pass.polls(door);
         }
-        if matches!(door, Door::Spindle) {
+        if matches!(door, SharedTarget::Spindle) {
             return self.shared_in_motion(|order| reach(order, mode, operation));
         }
         // Accesses by the machine's own macros at the start and at the end of a kernel have no line.

@@ -80,6 +80,13 @@ pub struct ActionTable {
     pub straight: StraightMoves,
 }
 
+impl ActionTable {
+    /// Whether the blocks of a contour are read by these actions.
+    pub fn reads_contour(&self) -> bool {
+        self.reading.is_none()
+    }
+}
+
 impl Kernel<'_> {
     /// Finishes the move that compensation keeps back, without knowing the next one.
     pub fn flush_lookahead(&mut self) -> Acted {

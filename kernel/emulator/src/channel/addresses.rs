@@ -9,10 +9,10 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
-use super::callee::Callee;
-use super::flow::RunningProgram;
 use crate::channel::system_variables;
+use counterpoint_channel::callee::Callee;
 use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::RunningProgram;
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_channel::offset_tables::EXTENDED;
 

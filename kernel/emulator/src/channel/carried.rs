@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use super::flow::{ProgramFlow, RunningProgram};
 use counterpoint_channel::RareState;
 use counterpoint_channel::arc::ArcState;
 use counterpoint_channel::at::BlockPlace;
 use counterpoint_channel::cycle::Cycle;
+use counterpoint_channel::flow::{ProgramFlow, RunningProgram};
 use counterpoint_channel::probing::Probing;
 use counterpoint_channel::thread::ThreadingState;
 use counterpoint_event::SourcePlace;

@@ -17,9 +17,9 @@ use counterpoint_sync::chucks::{ChuckEffect, ChuckPair};
 use counterpoint_sync::races::AccessMode;
 
 use super::Kernel;
-use super::access::Door;
 use super::actions::Action;
 use super::paired_spindles::{phase_of, settled, speed_of};
+use counterpoint_channel::shared_target::SharedTarget;
 
 /// Largest distance that a sub-spindle may move while both chucks hold the part, geometry units.
 const RELIEF: f64 = 1.0;
@@ -68,12 +68,12 @@ impl Action for ChuckCode {
 
 /// The chucks now, if the machine knows them.
 fn known(kernel: &mut Kernel<'_>) -> Result<Option<ChuckPair>, Halt> {
-    kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.chucks)
+    kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| shared.chucks)
 }
 
 /// Changes the state of both chucks.
 fn change<R: Default>(kernel: &mut Kernel<'_>, by: impl FnOnce(&mut ChuckPair) -> R) -> Result<R, Halt> {
-    kernel.access(Door::Spindle, AccessMode::Write, |shared| shared.chucks.as_mut().map(by).unwrap_or_default())
+    kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| shared.chucks.as_mut().map(by).unwrap_or_default())
 }
 
 fn name(sub: bool) -> &'static str {

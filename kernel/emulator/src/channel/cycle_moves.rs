@@ -5,7 +5,6 @@
 //! do all blocks of a cycle while a macro, a trace, a frame or another active code could make a difference.
 
 use super::Kernel;
-use super::data_plan::{DataSource, RECALLED};
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_control_api::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;
@@ -16,6 +15,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot, CodeRowId, RegisterId};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::{CodeRow, Modality};
 use counterpoint_program::block::irregular;
+use counterpoint_program::data_plan::{DataSource, RECALLED};
 use counterpoint_program::key_words::WrittenNumber;
 
 /// Maximum number of kept blocks; cycles have few different blocks.

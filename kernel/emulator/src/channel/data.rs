@@ -5,7 +5,6 @@
 use counterpoint_machine::Machine;
 
 use super::Kernel;
-use super::data_plan::{DataSource, RECALLED};
 use counterpoint_channel::channel_context::Handed;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
@@ -15,6 +14,7 @@ use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
 use counterpoint_machine::rows::DecimalPointRule;
 use counterpoint_program::block::{RetrievedValue, Word};
+use counterpoint_program::data_plan::{DataSource, RECALLED};
 
 /// Reasons why nothing may take a value of the block.
 const NOT_PROCESSED: &str = "its row is not processed";

@@ -3,10 +3,10 @@
 //! *Invariant:* `interpreter` is taken out only while the interpreter runs.
 
 use super::cycle_moves::KnownMoves;
-use super::left_words::LeftWords;
-use super::variables::ChannelVariables;
+use counterpoint_channel::channel_variables::ChannelVariables;
 use counterpoint_control_api::{Dialect, Interpreter, MadeBlocks};
 use counterpoint_machine::Machine;
+use counterpoint_program::kept_words::LeftWords;
 
 /// The dialect of a channel.
 pub struct DialectState {

@@ -13,8 +13,8 @@ use counterpoint_sync::shared::{DrivingMove, SpindleCommand};
 use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
-use super::access::Door;
 use counterpoint_channel::at::nanoseconds;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_channel::spindle::SpindleRotation;
 
 /// Changes of the speed by less than this share do not count.
@@ -47,7 +47,7 @@ impl Kernel<'_> {
         let time = [begin, begin.saturating_add(nanoseconds(seconds))];
         let course = DrivingMove { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
         let [first, last] = radii.map(|radius| speed.rpm(radius));
-        let shared = self.access(Door::Spindle, AccessMode::Write, |shared| {
+        let shared = self.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
             // Another channel may have commanded the spindle meanwhile.
             let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command)?;
             (spindle.course, spindle.now) = (Some(course), last);
@@ -80,7 +80,7 @@ impl Kernel<'_> {
         if rpm != known {
             self.channel.state.spindle.now = rpm;
             let (now, channel) = (self.channel.now(), self.channel.at.channel);
-            self.access(Door::Spindle, AccessMode::Write, |shared| {
+            self.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
                 if let Some(spindle) = shared.spindles.get_mut(id.index()) {
                     (spindle.course, spindle.now) = (None, rpm);
                     if (rpm - known).abs() > STEADY * known {

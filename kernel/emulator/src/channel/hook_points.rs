@@ -10,7 +10,7 @@ use counterpoint_control_api::IdentificationAnswer;
 use counterpoint_lang::value::MacroValue;
 
 use super::Kernel;
-use super::flow::CallRecord;
+use counterpoint_channel::flow::CallRecord;
 use counterpoint_event::event::{FileId, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_program::block::PendingCode;

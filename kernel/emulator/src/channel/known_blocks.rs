@@ -13,42 +13,8 @@ use counterpoint_machine::rows::Modality;
 use counterpoint_machine::tables::form_range;
 
 use super::Kernel;
-use super::actions::ActionTable;
-use super::callee::{Callee, Pending};
-
-/// Request of a kept block at its end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Leads {
-    /// Nothing: the head of a program.
-    On,
-    Call {
-        program: u32,
-        passes: u32,
-    },
-    Return,
-}
-
-/// A kept block.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct KnownBlock {
-    line: (FileId, u32),
-    /// Actions of the codes when the block was kept.
-    actions: &'static ActionTable,
-    leads: Leads,
-    sequence: Option<u32>,
-}
-
-/// Blocks by line: those that were met last.
-#[derive(Debug, Default)]
-pub struct KnownBlocks([Option<KnownBlock>; 32]);
-
-impl KnownBlocks {
-    #[inline(always)]
-    fn get(&self, line: (FileId, u32)) -> Option<&KnownBlock> {
-        let known = self.0.get(line.1 as usize % self.0.len())?.as_ref()?;
-        (known.line == line).then_some(known)
-    }
-}
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::kept_blocks::{KnownBlock, Leads};
 
 impl Kernel<'_> {
     /// The kept block of this line, where nothing acts that each block may meet.
@@ -59,7 +25,7 @@ impl Kernel<'_> {
             && self.channel.state.modal.refires.is_empty()
             && self.channel.state.place.frames.is_none()
             && !self.flow.watched;
-        (alone && std::ptr::eq(known.actions, self.plan.actions)).then_some(known)
+        (alone && known.of_contour == self.plan.actions.reads_contour()).then_some(known)
     }
 
     /// Executes a kept block, up to its request at the end.
@@ -110,7 +76,7 @@ impl Kernel<'_> {
             _ => return,
         };
         let line = (self.channel.at.file, self.channel.at.line);
-        let known = KnownBlock { line, actions: self.plan.actions, leads, sequence: block.sequence };
+        let known = KnownBlock { line, of_contour: self.plan.actions.reads_contour(), leads, sequence: block.sequence };
         let places = &mut self.flow.known.blocks.0;
         let place = line.1 as usize % places.len();
         if let Some(slot) = places.get_mut(place) {

@@ -3,56 +3,12 @@
 //! *Invariant:* a word has its place in the text of the program. The words are also formatted as text, but only for the
 //! trace and for macros that ask for the block. Facts: reference control-emulator.md 2.2, 5.4.
 
-use std::sync::Arc;
-
 use super::Kernel;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::number::{rounded, written};
 use counterpoint_machine::rows::DecimalPointRule;
-use counterpoint_program::block::{Block, Word, irregular};
-use counterpoint_program::block_list::BlockList;
+use counterpoint_program::block::{Word, irregular};
 use counterpoint_program::key_words::WrittenNumber;
-
-/// The words that an interpreter leaves, beside those of the block.
-#[derive(Debug, Default)]
-pub struct LeftWords {
-    /// Whether a trace or a macro may ask for the text of the words.
-    pub(super) asked: bool,
-    /// The text of the words, if it may be asked for.
-    pub text: String,
-    /// The interpreter continues its block after these words have acted.
-    pub(crate) continues: bool,
-    /// Text of a block of several lines.
-    pub(crate) joined: Option<Arc<[u8]>>,
-    /// Blocks that precede the block of the kernel.
-    pub(super) blocks: BlockList,
-}
-
-impl LeftWords {
-    /// Removes the words of the previous block.
-    pub(crate) fn clear(&mut self, asked: bool) {
-        self.asked = asked;
-        self.text.clear();
-        self.continues = false;
-        self.joined = None;
-        self.blocks.clear();
-    }
-
-    /// Takes the words off the block of the kernel: they act before the words that follow.
-    pub(super) fn end_block(&mut self, block: &mut Block) {
-        self.blocks.push(block, &mut self.text);
-    }
-
-    /// Adds the text of words, if it may be needed.
-    pub(super) fn add(&mut self, text: impl FnOnce() -> String) {
-        if self.asked {
-            if !self.text.is_empty() {
-                self.text.push(' ');
-            }
-            self.text.push_str(&text());
-        }
-    }
-}
 
 impl Kernel<'_> {
     /// Whether a trace or a macro may ask for the text of the words that an interpreter leaves.

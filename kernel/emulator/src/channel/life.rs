@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::Kernel;
 use super::carried::Lived;
-use super::flow::RunningProgram;
+use counterpoint_channel::flow::RunningProgram;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Phase, Verdict, VerdictKind, VerdictMember};
 use counterpoint_fault::{self as diag, DiagnosticFacts};
 use counterpoint_fault::{Acted, Halt};

@@ -14,8 +14,8 @@ use counterpoint_machine::macros::model::Hook;
 use counterpoint_program::scan::LineScanner;
 
 use super::Kernel;
-use super::callee::Callee;
-use super::flow::CallRecord;
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::CallRecord;
 
 impl Kernel<'_> {
     /// Whether the block may hold embedded code of this kind: 0 before, 1 after the pre-processor.

@@ -16,10 +16,10 @@ use counterpoint_sync::shared::{SpindleCommand, SpindleCoupling};
 use counterpoint_sync::spindle_coupling::CouplingRefusal;
 
 use super::Kernel;
-use super::access::Door;
 use super::actions::Action;
 use super::report::report_spindle_conflict;
 use counterpoint_channel::at::nanoseconds;
+use counterpoint_channel::shared_target::SharedTarget;
 
 /// The effect of a code on two spindles.
 #[derive(Debug, Clone, Copy)]
@@ -120,7 +120,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     let before = speeds(kernel, pair)?;
     let coupling = SpindleCoupling { leader: leader.index(), ratio, phase };
     let (at, most) = ((kernel.channel.now(), kernel.channel.at.channel), largest_speeds(kernel));
-    let done = kernel.access(Door::Spindle, AccessMode::Write, |shared| {
+    let done = kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
         let was = shared.couple(follower.index(), coupling, &most)?;
         let command = shared.spindle(follower.index()).map(|spindle| spindle.command);
         let Some(spindle) = shared.spindles.get_mut(follower.index()) else { return Ok(None) };
@@ -165,7 +165,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
 /// Ends the phase.
 fn end_phase(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Acted {
     let (follower, leader) = (pair.follower.index(), pair.leader.index());
-    let ended = kernel.access(Door::Spindle, AccessMode::Write, |shared| {
+    let ended = kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
         let coupling = shared.spindles.get_mut(follower)?.coupling.as_mut();
         coupling.filter(|coupling| coupling.leader == leader)?.phase.take()
     })?;
@@ -181,7 +181,7 @@ fn uncouple(kernel: &mut Kernel<'_>, pair: SpindlePair) -> Acted {
     let (_, rpm) = speeds(kernel, pair)?;
     let (at, most) = ((kernel.channel.now(), kernel.channel.at.channel), largest_speeds(kernel));
     let (follower, leader) = (pair.follower.index(), pair.leader.index());
-    let ended = kernel.access(Door::Spindle, AccessMode::Write, |shared| {
+    let ended = kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
         shared.spindles.get(follower)?.coupling.filter(|coupling| coupling.leader == leader)?;
         let ended = shared.uncouple(follower, rpm, &most)?;
         let spindle = shared.spindles.get_mut(follower)?;
@@ -231,12 +231,12 @@ pub(super) fn speed_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<f64, Ha
 
 /// The phase in which a spindle follows another one.
 pub(super) fn phase_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<Option<f64>, Halt> {
-    kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
+    kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
 }
 
 /// When the last of these spindles has run up or down, ns, if that is later than now.
 pub(super) fn settled(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Result<Option<i64>, Halt> {
-    let settled = kernel.access(Door::Spindle, AccessMode::Read, |shared| {
+    let settled = kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| {
         let of = spindles.map(|id| shared.spindle(id.index()).map_or(0, |spindle| spindle.settled));
         of[0].max(of[1])
     })?;
@@ -249,7 +249,7 @@ pub(super) fn note_run_up(kernel: &mut Kernel<'_>, id: SpindleId, ns: i64) -> Ac
         return Ok(());
     }
     let settled = kernel.channel.now() + ns;
-    kernel.access(Door::Spindle, AccessMode::Write, |shared| {
+    kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
         if let Some(spindle) = shared.spindles.get_mut(id.index()) {
             spindle.settled = settled;
         }
@@ -291,7 +291,7 @@ pub(super) fn followers(kernel: &mut Kernel<'_>, leader: SpindleId) -> Result<Ve
         return Ok(Vec::new());
     }
     let found: Vec<(usize, SpindleCoupling)> =
-        kernel.access(Door::Spindle, AccessMode::Read, |shared| shared.followers(leader.index()).collect())?;
+        kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| shared.followers(leader.index()).collect())?;
     let spindles = &kernel.channel.env.machine.spindles;
     Ok(found.into_iter().filter_map(|(at, coupling)| Some((spindles.id(at)?, coupling))).collect())
 }

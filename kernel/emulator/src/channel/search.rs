@@ -20,7 +20,7 @@ use counterpoint_program::scan::ScanResult;
 use counterpoint_program::shape::ProgramRange;
 
 use super::Kernel;
-use super::callee::{Callee, Labels};
+use counterpoint_channel::callee::{Callee, Labels};
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::macros::store;
 

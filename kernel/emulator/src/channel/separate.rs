@@ -4,7 +4,7 @@
 //! *Invariant:* a report changes nothing; programs are searched only when a channel has reached its end or a limit.
 
 use super::Kernel;
-use super::variables::within;
+use counterpoint_channel::channel_variables::within;
 use counterpoint_fault as diag;
 use counterpoint_sync::verdict;
 

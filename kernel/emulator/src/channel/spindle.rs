@@ -7,10 +7,10 @@
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use super::access::Door;
 use super::report::report_spindle_conflict;
 use super::{chucks, paired_spindles};
 use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
 use counterpoint_fault as diag;
@@ -44,7 +44,7 @@ impl Kernel<'_> {
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, was) = (self.channel.now(), (before, self.channel.state.spindle.range(self.channel.env.machine)));
-            let done = self.access(Door::Spindle, AccessMode::Write, |shared| {
+            let done = self.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
                 let spindle = shared.spindles.get_mut(id.index())?;
                 if let Some(coupling) = spindle.coupling {
                     return Some(Err(coupling.leader));
@@ -82,7 +82,7 @@ impl Kernel<'_> {
         }
         let was = (self.turning_speed()?, self.channel.state.spindle.range(self.channel.env.machine));
         let at = (self.channel.now(), self.channel.at.channel);
-        let command = self.access(Door::Spindle, AccessMode::Write, |shared| {
+        let command = self.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
             if let Some(spindle) = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.coupling.is_none()) {
                 spindle.change(change, was, at);
             }
@@ -140,7 +140,7 @@ impl Kernel<'_> {
         {
             let ended = self.channel.state.spindle.ended_assumption(self.channel.now());
             let channel = self.channel.at.channel;
-            let known = self.access(Door::Spindle, AccessMode::Read, |shared| {
+            let known = self.access(SharedTarget::Spindle, AccessMode::Read, |shared| {
                 let spindle = shared.spindle(id.index())?;
                 let change = ended.and_then(|(known, [begin, end])| {
                     spindle.changes.of_others(channel, known, end).filter(|(t, _)| *t >= begin)

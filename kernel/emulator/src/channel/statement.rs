@@ -12,8 +12,8 @@ use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;
 
 use super::Kernel;
-use super::callee::Callee;
-use super::flow::RunningProgram;
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::RunningProgram;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.

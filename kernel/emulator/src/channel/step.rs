@@ -13,7 +13,7 @@ use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::wait;
 
 use super::Kernel;
-use super::access::Door;
+use counterpoint_channel::shared_target::SharedTarget;
 
 /// Most variables that are shown.
 const MOST: usize = 1000;
@@ -91,14 +91,14 @@ impl Kernel<'_> {
     /// Called when the kernel has written data that all channels share.
     #[cold]
     #[inline(never)]
-    pub(super) fn has_written(&mut self, door: Door<'_>) {
+    pub(super) fn has_written(&mut self, door: SharedTarget<'_>) {
         if !self.ports.stepper.is_some_and(Stepper::listens) {
             return;
         }
         let Some(variable) = door.variable() else { return };
         let name = self.macros.variable_name(&variable);
         let value = self.ports.coordinator.unordered(|order| match door {
-            Door::Common(index) => order.shared.variables.get(&index).copied(),
+            SharedTarget::Common(index) => order.shared.variables.get(&index).copied(),
             _ => None,
         });
         self.comes_to(StepEvent::Write(&name, value));

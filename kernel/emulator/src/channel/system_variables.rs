@@ -4,8 +4,6 @@
 //! does not move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value;
 //! nothing here depends on the clock of the computer.
 
-use rustc_hash::FxHashMap;
-
 use super::{Kernel, unit_switch};
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::offset_tables::{BASE, EXTENDED, OffsetTable, Radii};
@@ -17,7 +15,7 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::RotaryPositioning;
 use counterpoint_machine::rows::CodeForm;
-use counterpoint_machine::system_variables::{MODAL_CALLS, Means, OffsetColumn, PositionReference, SystemVariables};
+use counterpoint_machine::system_variables::{MODAL_CALLS, Means, OffsetColumn, PositionReference};
 
 /// Seconds of a day.
 const DAY: i64 = 86_400;
@@ -30,27 +28,6 @@ const LARGEST_OFFSET: f64 = 9_999.999_9;
 
 /// Bit of the inch system among the settings.
 const INCH: u32 = 4;
-
-/// State of a channel's system variables.
-#[derive(Debug, Default)]
-pub(crate) struct SystemValues {
-    /// Values by number, where programs have set one or the machine starts with one.
-    kept: FxHashMap<u32, f64>,
-    /// The offset of the clocks (milliseconds, hours) from simulated time.
-    clocks: [f64; 2],
-}
-
-impl SystemValues {
-    /// As the machine starts.
-    pub(super) fn new(variables: &SystemVariables) -> Self {
-        let system = variables.initial.iter().copied().filter(|&(number, _)| variables.find(number).is_some());
-        Self { kept: system.collect(), clocks: [0.0; 2] }
-    }
-
-    fn kept(&self, number: u32, first: f64) -> f64 {
-        self.kept.get(&number).copied().unwrap_or(first)
-    }
-}
 
 impl Kernel<'_> {
     /// Value of a system variable.

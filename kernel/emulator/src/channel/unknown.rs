@@ -6,7 +6,6 @@
 //! has acted, unless a macro after the block may still recognise its text.
 
 use super::Kernel;
-use super::letter_zero::letter_for_zero;
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::text;
 use counterpoint_control_api::Unknown;
@@ -16,6 +15,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::irregular;
+use counterpoint_program::letter_zero::letter_for_zero;
 use rustc_hash::FxHashSet;
 
 /// Most characters of unknown text in a message.

@@ -18,9 +18,9 @@ use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use crate::channel::callee::Callee;
-use crate::channel::flow::{CallRecord, RunningProgram};
 use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::{CallRecord, RunningProgram};
 use counterpoint_channel::modal::group;
 use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 

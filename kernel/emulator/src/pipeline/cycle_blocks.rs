@@ -12,9 +12,9 @@ use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::ProgramRange;
 
-use crate::channel::callee::Pending;
-use crate::channel::flow::CallRecord;
 use crate::channel::{Kernel, cycle_moves};
+use counterpoint_channel::callee::Pending;
+use counterpoint_channel::flow::CallRecord;
 use counterpoint_channel::text;
 
 impl Kernel<'_> {

@@ -12,10 +12,10 @@ use counterpoint_machine::model::MainReturn;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use crate::channel::callee::{Callee, Pending};
-use crate::channel::custom_macro::CallingWord;
-use crate::channel::flow::RunningProgram;
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::CallingWord;
 use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::flow::RunningProgram;
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.

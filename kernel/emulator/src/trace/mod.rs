@@ -7,9 +7,9 @@
 //! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
 //! [`edited`] for the stages of a block's text.
 
-mod lines;
-
-pub use lines::{TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
+pub use counterpoint_results::trace_lines::{
+    TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
+};
 
 use crate::channel::Kernel;
 use counterpoint_channel::burden::shortened;

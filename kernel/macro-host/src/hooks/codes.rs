@@ -13,7 +13,6 @@ use counterpoint_channel::context::Withheld;
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::values::{code_value, data_value};
 use counterpoint_channel::modal::group;
-use counterpoint_emulator::channel::data_plan::{NEEDED, RECALLED};
 use counterpoint_emulator::channel::hook_points::BlockOrigin;
 use counterpoint_emulator::pipeline::codes::data_of_code;
 use counterpoint_fault as diag;
@@ -24,6 +23,7 @@ use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 use counterpoint_program::block::RetrievedValue;
+use counterpoint_program::data_plan::{NEEDED, RECALLED};
 
 /// A value that has been taken, before data macros and units.
 struct TakenValue {

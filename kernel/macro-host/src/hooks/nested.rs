@@ -13,10 +13,10 @@ use counterpoint_program::block::Block;
 use crate::context::MacroHooks;
 use crate::host::block;
 use counterpoint_channel::burden;
+use counterpoint_channel::callee::Pending;
 use counterpoint_channel::channel_context::Acting;
 use counterpoint_channel::context::BlockContext;
 use counterpoint_channel::macros::issued::Later;
-use counterpoint_emulator::channel::callee::Pending;
 use counterpoint_emulator::channel::hook_points::BlockOrigin;
 
 /// A block that another one within it interrupts.

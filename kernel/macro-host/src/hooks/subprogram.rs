@@ -17,9 +17,9 @@ use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::ProgramRange;
 
 use crate::context::MacroHooks;
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::flow::CallRecord;
 use counterpoint_channel::macros::calls::{OutputTask, TICKS};
-use counterpoint_emulator::channel::callee::{Callee, Pending};
-use counterpoint_emulator::channel::flow::CallRecord;
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, ProgramRange)>;

@@ -11,7 +11,7 @@ use counterpoint_lang::vm::{self, MacroState};
 use counterpoint_machine::Machine;
 
 use crate::context::KernelHost;
-use counterpoint_emulator::channel::access::Door;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::files::Bytes;
@@ -64,7 +64,7 @@ impl KernelHost<'_, '_> {
         mode: AccessMode,
         work: impl FnOnce(&mut SharedFiles) -> R,
     ) -> Result<R, i32> {
-        self.kernel.access(Door::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
+        self.kernel.access(SharedTarget::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
             self.kernel.macros.calls.stop(halt);
             FAILED
         })

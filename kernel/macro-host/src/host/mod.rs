@@ -31,7 +31,7 @@ use crate::context::KernelHost;
 use counterpoint_channel::macros::calls::unwinding;
 use counterpoint_channel::macros::issued::Later;
 use counterpoint_channel::macros::values;
-use counterpoint_emulator::channel::access::Door;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::macros::model::Hook;
 
@@ -82,7 +82,7 @@ impl VariableHost for KernelHost<'_, '_> {
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
             let mode = if growth.is_some() { AccessMode::Write } else { AccessMode::Read };
-            let done = self.kernel.access(Door::Global(index), mode, |shared| {
+            let done = self.kernel.access(SharedTarget::Global(index), mode, |shared| {
                 shared.global(place, access);
                 growth.is_some_and(|growth| growth > 0 && shared.grown(growth, limit))
             });

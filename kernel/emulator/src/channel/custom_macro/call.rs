@@ -7,11 +7,11 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_program::block::irregular;
 
-use super::code_calls::CallingWord;
-use super::modal::ModalCall;
 use crate::channel::Kernel;
-use crate::channel::callee::{Callee, Pending};
 use crate::channel::hook_points::BlockOrigin;
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::CallingWord;
+use counterpoint_channel::modal_calls::ModalCall;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.

@@ -12,61 +12,12 @@ use std::sync::Arc;
 use counterpoint_control_api::{MacroCall, NotThere};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::Machine;
 use counterpoint_machine::ident::data;
-use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{CallHow, NestedCalls, WordCall};
 
 use crate::channel::Kernel;
-use crate::channel::callee::{Callee, Pending};
-
-/// Kind of a word that calls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum WordKind {
-    G,
-    Other,
-}
-
-/// Which word has called.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CallingWord {
-    pub(crate) kind: WordKind,
-    /// Common variable that gets the value of the word.
-    pub(crate) variable: Option<u32>,
-    pub(crate) value: f64,
-}
-
-/// A macro that a word of the block calls.
-#[derive(Debug)]
-pub(crate) struct CodeMacro {
-    pub(super) register: RegisterId,
-    pub(super) program: u32,
-    pub(super) how: MacroCall,
-    pub(super) by: CallingWord,
-}
-
-/// The words of a machine.
-#[derive(Debug)]
-pub(crate) struct CodeCalls {
-    /// Their registers, bit by register.
-    registers: u128,
-    rows: Vec<WordCall>,
-}
-
-impl CodeCalls {
-    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
-        let rows = machine.subprograms.calls.clone();
-        let registers = rows.iter().fold(0, |bits, row| bits | row.register.bit());
-        (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
-    }
-
-    fn find(&self, register: RegisterId, value: f64) -> Option<(&WordCall, u32)> {
-        if self.registers & register.bit() == 0 {
-            return None;
-        }
-        self.rows.iter().find_map(|row| Some((row, row.program_of(register, value)?)))
-    }
-}
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::{CallingWord, CodeCalls, CodeMacro, WordKind};
 
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.

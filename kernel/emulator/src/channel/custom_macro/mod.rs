@@ -6,6 +6,3 @@
 mod call;
 mod code_calls;
 mod modal;
-
-pub(crate) use code_calls::{CallingWord, CodeCalls, CodeMacro, WordKind};
-pub(crate) use modal::ModalCalls;

@@ -7,7 +7,7 @@ use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use crate::channel::callee::Pending;
+use counterpoint_channel::callee::Pending;
 
 impl FlowHost for Kernel<'_> {
     fn go_to(&mut self, line: u32) -> Acted {

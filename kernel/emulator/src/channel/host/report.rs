@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 
 use crate::channel::Kernel;
-use crate::channel::access::Door;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_control_api::{ReportHost, Unknown};
 use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault as diag;
@@ -77,7 +77,7 @@ impl ReportHost for Kernel<'_> {
         }
         self.flow.pass.effects = true;
         if let Err(text) =
-            self.access(Door::File, AccessMode::Write, |shared| shared.files.print(&output.file, line))?
+            self.access(SharedTarget::File, AccessMode::Write, |shared| shared.files.print(&output.file, line))?
         {
             self.diagnose(&diag::MACRO_FILES, text);
         }
@@ -86,7 +86,7 @@ impl ReportHost for Kernel<'_> {
 
     fn append(&mut self, path: &str, text: &str) -> Result<bool, Halt> {
         self.flow.pass.effects = true;
-        let done = self.access(Door::File, AccessMode::Write, |shared| shared.files.print(path, text))?;
+        let done = self.access(SharedTarget::File, AccessMode::Write, |shared| shared.files.print(path, text))?;
         if let Err(text) = &done {
             self.diagnose(&diag::MACRO_FILES, text.clone());
         }
@@ -94,15 +94,15 @@ impl ReportHost for Kernel<'_> {
     }
 
     fn has_written(&mut self, path: &str) -> Result<Option<bool>, Halt> {
-        self.access(Door::File, AccessMode::Read, |shared| shared.files.has(path))
+        self.access(SharedTarget::File, AccessMode::Read, |shared| shared.files.has(path))
     }
 
     fn written(&mut self, path: &str) -> Result<Option<Arc<str>>, Halt> {
-        self.access(Door::File, AccessMode::Read, |shared| shared.files.get(path).flatten())
+        self.access(SharedTarget::File, AccessMode::Read, |shared| shared.files.get(path).flatten())
     }
 
     fn remove_written(&mut self, path: &str) -> Acted {
         self.flow.pass.effects = true;
-        self.access(Door::File, AccessMode::Write, |shared| shared.files.remove(path))
+        self.access(SharedTarget::File, AccessMode::Write, |shared| shared.files.remove(path))
     }
 }

@@ -4,24 +4,26 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::channel::access::Door;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_control_api::{IdentificationAnswer, NotThere, ValueHost};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_sync::races::AccessMode;
 
 impl ValueHost for Kernel<'_> {
     fn shared(&mut self, name: &str) -> Result<Option<MacroValue>, Halt> {
-        self.access(Door::Named(name), AccessMode::Read, |shared| shared.named.get(name).cloned())
+        self.access(SharedTarget::Named(name), AccessMode::Read, |shared| shared.named.get(name).cloned())
     }
 
     fn shared_number(&mut self, name: &str) -> Result<Option<f64>, Halt> {
-        self.access(Door::Named(name), AccessMode::Read, |shared| shared.named.get(name).and_then(MacroValue::as_real))
+        self.access(SharedTarget::Named(name), AccessMode::Read, |shared| {
+            shared.named.get(name).and_then(MacroValue::as_real)
+        })
     }
 
     fn set_shared(&mut self, name: &str, value: Option<MacroValue>) -> Acted {
         let limit = self.channel.env.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(MacroValue::as_text).map_or(0, str::len);
-        let over = self.access(Door::Named(name), AccessMode::Write, |shared| match value {
+        let over = self.access(SharedTarget::Named(name), AccessMode::Write, |shared| match value {
             Some(value) => {
                 match shared.named.get_mut(name) {
                     Some(place) => *place = value,

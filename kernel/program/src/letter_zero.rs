@@ -1,7 +1,7 @@
 //! A letter O where a zero is meant, the commonest slip of the keyboard in programs.
 
 /// Hint for a word of the block with the letter O in place of a zero (`X5O`, `G O1`), if `left` has one.
-pub(crate) fn letter_for_zero(left: &str, block: &str) -> String {
+pub fn letter_for_zero(left: &str, block: &str) -> String {
     let is_o = |c: char| matches!(c, 'O' | 'o');
     if !left.contains(is_o) {
         return String::new();

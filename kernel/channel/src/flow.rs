@@ -6,15 +6,17 @@ use std::sync::Arc;
 
 use counterpoint_control_api as dialect;
 use counterpoint_event::event::{FileId, Position, SourcePlace};
+use counterpoint_program::block::Block;
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::spot::BlockStart;
 use rustc_hash::FxHashMap;
 
-use super::callee::{Callee, Labels, Pending, Printing};
-use super::custom_macro::{CodeMacro, ModalCalls, WordKind};
-use super::known_blocks::KnownBlocks;
-use super::passes::LoopTracker;
-use counterpoint_channel::figure::CopiedFigure;
+use crate::callee::{Callee, Labels, Pending, Printing};
+use crate::calling_words::{CodeMacro, WordKind};
+use crate::figure::CopiedFigure;
+use crate::kept_blocks::KnownBlocks;
+use crate::loop_tracker::LoopTracker;
+use crate::modal_calls::{ModalCall, ModalCalls};
 
 /// One running program text.
 #[derive(Debug, Clone)]
@@ -32,21 +34,21 @@ pub struct RunningProgram {
     /// Further passes after this one.
     pub repeats: u32,
     /// The end of its text is its return (a range call).
-    pub(crate) closes: bool,
+    pub closes: bool,
     /// It has variables of its own (a macro call).
     pub own_variables: bool,
     /// The callee.
     pub called: CallRecord,
     /// The modal call that called it.
-    pub(crate) modal: Option<usize>,
+    pub modal: Option<usize>,
     /// Kind of the word that called it; a call of another form has none.
-    pub(crate) by: Option<WordKind>,
+    pub by: Option<WordKind>,
     /// Name for events.
     pub name: Arc<str>,
     /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
-    pub(crate) back: Option<Box<(Position, u8)>>,
+    pub back: Option<Box<(Position, u8)>>,
     /// Each pass is a copy of the figure.
-    pub(crate) figure: Option<Box<CopiedFigure>>,
+    pub figure: Option<Box<CopiedFigure>>,
 }
 
 /// Program flow of a channel.
@@ -57,19 +59,19 @@ pub struct ProgramFlow {
     /// Request of the block, carried out at its end.
     pub pending: Option<Pending>,
     /// The macro that a code of the block calls.
-    pub(crate) code_macro: Option<Box<CodeMacro>>,
+    pub code_macro: Option<Box<CodeMacro>>,
     /// Macros that blocks call without saying so.
     pub modal: ModalCalls,
     /// The pre-processor of another control calls after blocks that move.
-    pub(crate) modal_text: bool,
+    pub modal_text: bool,
     /// The pass of the loop that runs.
     pub pass: LoopTracker,
     /// Steps go over all blocks while at least this number of programs run; none if no program hides its blocks.
-    pub(crate) hidden_from: Option<usize>,
+    pub hidden_from: Option<usize>,
     /// The program has jumped back or called, so a line may run again.
-    pub(crate) repeats: bool,
+    pub repeats: bool,
     /// Printing statements.
-    pub(crate) printing: Printing,
+    pub printing: Printing,
     /// Loops that the programs are in.
     pub loops: dialect::LoopStack,
     /// Byte at which the block being processed begins in its line.
@@ -77,18 +79,18 @@ pub struct ProgramFlow {
     /// Places of programs, labels and blocks that were found.
     pub known: FlowCache,
     /// Plain words are for the pre-processor too.
-    pub(crate) watched: bool,
+    pub watched: bool,
     /// Definitions run into and texts of no program that have been reported, by file and line.
-    pub(crate) reported: Vec<(FileId, u32)>,
+    pub reported: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
-    pub(crate) opened: bool,
+    pub opened: bool,
 }
 
 /// Data derived from programs, kept for the next time.
 #[derive(Debug, Default)]
 pub struct FlowCache {
     /// Names of programs that were called by number.
-    pub(crate) names: ProgramNameCache,
+    pub names: ProgramNameCache,
     /// Where programs that were called by number are.
     pub programs: ProgramLocationCache,
     /// Blocks that only lead on.
@@ -101,11 +103,11 @@ pub struct FlowCache {
 
 /// Names of programs by number, as events have them: those that were called last.
 #[derive(Debug, Default)]
-pub(crate) struct ProgramNameCache([Option<(u32, Arc<str>)>; 8]);
+pub struct ProgramNameCache([Option<(u32, Arc<str>)>; 8]);
 
 impl ProgramNameCache {
     /// The name of a program.
-    pub(crate) fn of(&mut self, number: u32) -> Arc<str> {
+    pub fn of(&mut self, number: u32) -> Arc<str> {
         let name = || Arc::from(format!("O{number:04}"));
         let place = number as usize % self.0.len();
         let Some(slot) = self.0.get_mut(place) else { return name() };
@@ -117,7 +119,7 @@ impl ProgramNameCache {
 }
 
 /// Where a program is called: its number, the file that calls, and the main program's.
-pub(crate) type Wanted = (u32, FileId, FileId);
+pub type Wanted = (u32, FileId, FileId);
 
 /// Programs by number and by the files from which they were called: those that were called last.
 ///
@@ -127,13 +129,13 @@ pub struct ProgramLocationCache([Option<(Wanted, (FileId, ProgramRange))>; 8]);
 
 impl ProgramLocationCache {
     /// Where a program was found.
-    pub(crate) fn get(&self, wanted: Wanted) -> Option<(FileId, ProgramRange)> {
+    pub fn get(&self, wanted: Wanted) -> Option<(FileId, ProgramRange)> {
         let (known, found) = (*self.0.get(wanted.0 as usize % self.0.len())?)?;
         (known == wanted).then_some(found)
     }
 
     /// Keeps where a program is.
-    pub(crate) fn keep(&mut self, wanted: Wanted, found: (FileId, ProgramRange)) {
+    pub fn keep(&mut self, wanted: Wanted, found: (FileId, ProgramRange)) {
         let place = wanted.0 as usize % self.0.len();
         if let Some(slot) = self.0.get_mut(place) {
             *slot = Some((wanted, found));
@@ -148,7 +150,7 @@ impl ProgramFlow {
     }
 
     /// The callee, as events name it.
-    pub(crate) fn name_of(&mut self, what: &Callee) -> Arc<str> {
+    pub fn name_of(&mut self, what: &Callee) -> Arc<str> {
         match what {
             Callee::Program(number) | Callee::ProgramFrom(number, _) => self.known.names.of(*number),
             Callee::Named(name) => format!("<{name}>").into(),
@@ -200,4 +202,58 @@ pub struct CallRecord {
     pub passes: u32,
     /// The block that calls, on a kernel with macros.
     pub block: Option<Arc<str>>,
+}
+
+impl ProgramFlow {
+    /// Macro calls that are running.
+    pub fn call_level(&self) -> usize {
+        self.frames.iter().filter(|frame| frame.own_variables).count()
+    }
+
+    /// The modal call that blocks make here.
+    pub fn acting_modal(&self) -> Option<usize> {
+        let (calls, level) = (&self.modal.calls, self.call_level());
+        if let Some(own) = calls.iter().rposition(|call| call.level == level) {
+            return Some(own);
+        }
+        // In a macro that a modal call has called, the modal call before that one calls.
+        let caller = self.frames.iter().rev().find(|frame| frame.own_variables)?.modal?;
+        let before = caller.checked_sub(1)?;
+        (calls.get(before)?.level == calls.get(caller)?.level).then_some(before)
+    }
+
+    /// The same, to look at.
+    pub fn modal_call(&self) -> Option<&ModalCall> {
+        self.modal.calls.get(self.acting_modal()?)
+    }
+
+    /// The next call is one that blocks make without saying so.
+    pub fn call_is_modal(&mut self) {
+        self.modal.calling = self.acting_modal();
+    }
+
+    /// Whether the words of a block are the arguments of a modal call.
+    #[inline(always)]
+    pub fn calls_each_block(&self, block: &Block) -> bool {
+        !self.modal.is_empty() && self.is_argument_block(block)
+    }
+
+    #[cold]
+    fn is_argument_block(&self, block: &Block) -> bool {
+        self.modal_call().is_some_and(|call| call.each) && !block.words.is_empty()
+    }
+
+    /// Makes the modal call after a block that has moved.
+    #[cold]
+    pub fn call_modally(&mut self, block: &mut Block) {
+        if !block.flags.moved {
+            return;
+        }
+        let Some(call) = self.modal_call().filter(|call| !call.each) else { return };
+        let (what, passes) = (call.what.clone(), call.passes);
+        let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
+        self.call_is_modal();
+        block.flags.moved = false;
+        self.pending = Some(Pending::Call { what, passes, arguments, by });
+    }
 }

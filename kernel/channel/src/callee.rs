@@ -7,9 +7,9 @@ use counterpoint_event::event::StopCode;
 use counterpoint_motion::turning::strip::Strip;
 use rustc_hash::FxHashMap;
 
-use super::custom_macro::CallingWord;
-use counterpoint_channel::figure::CopiedFigure;
-use counterpoint_channel::turning::ContourCycle;
+use crate::calling_words::CallingWord;
+use crate::figure::CopiedFigure;
+use crate::turning::ContourCycle;
 
 /// The next step after the current block.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,11 +66,11 @@ impl Pending {
 
 /// Printing statements of the program.
 #[derive(Debug, Default)]
-pub(crate) struct Printing {
+pub struct Printing {
     /// Between POPEN and PCLOS.
-    pub(crate) open: bool,
+    pub open: bool,
     /// Output outside them has been reported.
-    pub(crate) closed_reported: bool,
+    pub closed_reported: bool,
 }
 
 /// The callee.
@@ -104,4 +104,4 @@ impl std::fmt::Display for Callee {
 }
 
 /// Lines of a file by label, ascending.
-pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
+pub type Labels = FxHashMap<u32, Vec<u32>>;

@@ -46,19 +46,20 @@ pub struct DataPlan {
     /// Registers that can supply each data identifier, bit by register.
     pub registers_of: IdTable<DataId, u128>,
     /// Where the values of each data identifier come from, in row order.
-    pub(crate) sources: IdTable<DataId, Vec<DataSource>>,
+    pub sources: IdTable<DataId, Vec<DataSource>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
     pub diameter_x: Vec<DataId>,
     /// Data rows that drop their word silently.
-    pub(crate) ignore: IdTable<DataRowId, bool>,
+    pub ignore: IdTable<DataRowId, bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
-    pub(crate) recall: Option<IdTable<DataId, bool>>,
+    pub recall: Option<IdTable<DataId, bool>>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
-    pub(crate) refused: IdTable<DataId, u128>,
+    pub refused: IdTable<DataId, u128>,
 }
 
 impl DataPlan {
-    pub(super) fn new(machine: &Machine) -> Self {
+    /// Sources of the data of a machine.
+    pub fn new(machine: &Machine) -> Self {
         let diameter_x = diameter_x(machine);
         let refused = refused(machine);
         let recall = recall(machine);
@@ -116,15 +117,17 @@ pub struct DataSource {
     pub modal: bool,
     /// Factor of the value.
     pub mul: f64,
-    pub(crate) add: f64,
+    /// Addend of the value.
+    pub add: f64,
     /// Smallest value.
     pub min: f64,
     /// Largest value.
     pub max: f64,
-    pub(crate) dimension: Dimension,
+    /// Its dimension, which decides how units change it.
+    pub dimension: Dimension,
     /// Value of one increment of a number without a point in primary and secondary units, if it is not one in the last
     /// digit of the register.
-    pub(crate) one: Option<[f64; 2]>,
+    pub one: Option<[f64; 2]>,
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub diameter_x: bool,
     /// Row of the data table.
@@ -151,7 +154,8 @@ fn diameter_x(machine: &Machine) -> Vec<DataId> {
     axes.chain(own).collect()
 }
 
-pub(super) fn sources(machine: &Machine, diameter_x: &[DataId]) -> IdTable<DataId, Vec<DataSource>> {
+/// Sources of each identifier, in the order of their rows.
+pub fn sources(machine: &Machine, diameter_x: &[DataId]) -> IdTable<DataId, Vec<DataSource>> {
     let source = |&index: &DataRowId| {
         let row = Some(&machine.data[index]).filter(|row| row.process)?;
         Some(DataSource {
@@ -173,7 +177,7 @@ pub(super) fn sources(machine: &Machine, diameter_x: &[DataId]) -> IdTable<DataI
 /// Value of one increment of a number without a point for a row whose register counts least increments. Words with a
 /// factor of their own and plain numbers are as written, and the unit of angles and times does not change with that of
 /// lengths.
-pub(super) fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
+pub fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
     if row.increment.is_some() {
         return row.increment;
     }

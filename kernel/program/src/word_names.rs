@@ -12,7 +12,7 @@ const SHORT: usize = 32;
 
 /// The names of a machine, in lower case.
 #[derive(Debug, Default)]
-pub(crate) struct WordNames {
+pub struct WordNames {
     /// Texts before numbers, without a final `=`: the register, and whether this is the incremental form.
     registers: FxHashMap<Box<[u8]>, (RegisterId, bool)>,
     /// Names of registers, and texts before their numbers.
@@ -22,7 +22,8 @@ pub(crate) struct WordNames {
 }
 
 impl WordNames {
-    pub(super) fn new(machine: &Machine) -> Self {
+    /// The names of a machine.
+    pub fn new(machine: &Machine) -> Self {
         let mut names = Self::default();
         let small = |text: &str| text.to_ascii_lowercase().into_bytes().into_boxed_slice();
         for (id, register) in machine.registers.entries() {
@@ -43,22 +44,22 @@ impl WordNames {
     }
 
     /// Register of a name, with or without a final `=`, and whether the name is its incremental form.
-    pub(super) fn register(&self, name: &str) -> Option<(RegisterId, bool)> {
+    pub fn register(&self, name: &str) -> Option<(RegisterId, bool)> {
         in_small_letters(name, |name| self.registers.get(name).copied())
     }
 
     /// Whether words may begin with this text.
-    pub(super) fn is_register(&self, name: &str) -> bool {
+    pub fn is_register(&self, name: &str) -> bool {
         in_small_letters(name, |name| self.spelled.contains(name))
     }
 
     /// Whether a literal text begins with this text.
-    pub(super) fn begins_text(&self, text: &str) -> bool {
+    pub fn begins_text(&self, text: &str) -> bool {
         in_small_letters(text, |text| self.texts.keys().any(|known| known.starts_with(text)))
     }
 
     /// Whether the rest of a literal text, or of the text before the numbers of a register, after this text is `wanted`.
-    pub(super) fn continues(&self, text: &str, wanted: impl Fn(&[u8]) -> bool) -> bool {
+    pub fn continues(&self, text: &str, wanted: impl Fn(&[u8]) -> bool) -> bool {
         let is_wanted = |name: &[u8], text: &[u8]| name.strip_prefix(text).is_some_and(&wanted);
         in_small_letters(text, |text| {
             self.texts.keys().any(|name| is_wanted(name, text)) || self.spelled.iter().any(|name| is_wanted(name, text))
@@ -66,7 +67,7 @@ impl WordNames {
     }
 
     /// Row of a literal text.
-    pub(super) fn text(&self, text: &str) -> Option<CodeRowId> {
+    pub fn text(&self, text: &str) -> Option<CodeRowId> {
         in_small_letters(text, |text| self.texts.get(text).copied())
     }
 }
