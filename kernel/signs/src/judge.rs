@@ -184,7 +184,12 @@ impl<'c> Judge<'c> {
         verdicts.sort_by_key(|verdict| std::cmp::Reverse(verdict.score()));
         let proven = |verdict: &&MachineScore<'_, '_>| sole || verdict.machine.is_proven();
         let mut proven = verdicts.iter().filter(proven);
-        let Some(best) = proven.next() else { return Err(self.unproven(&names)) };
+        let Some(best) = proven.next() else {
+            // A fault of several programs says more than that their machine is not known.
+            let likely = verdicts.first().filter(|_| several);
+            let fault = likely.and_then(|verdict| self.accept(verdict, channels, (true, together.is_empty())).err());
+            return Err(fault.unwrap_or_else(|| self.unproven(&names)));
+        };
         if let Some(other) = proven.next().filter(|other| other.score() == best.score()) {
             if best.by < best.against() * 2 && !several {
                 return Err(self.disagree(best));

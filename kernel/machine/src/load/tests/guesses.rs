@@ -322,6 +322,18 @@ fn turrets_of_two_files_need_no_wait() {
 }
 
 #[test]
+fn lathes_with_two_spindles_show_it_by_words_of_their_own() {
+    for (upper, lower, expected) in [
+        ("O1\nT0101\nM427\nM101\nM30\n", "O2\nT0202\nM428\nM101\nM30\n", "fanuc-twin-spindle"),
+        ("O1\nG361 B90. D0.\nM101\nM30\n", "O2\nT0202\nG330\nM101\nM30\n", "fanuc-twin-head"),
+        ("O1\nT0101\nM101\nM30\n", "O2\nT0202\nM101\nM30\n", "fanuc-2path-lathe"),
+    ] {
+        let both = of_files(&[("a.nc", upper), ("b.nc", lower)], None);
+        assert_eq!(both.as_ref().map(|guess| guess.machine.as_str()), Ok(expected), "{both:?}");
+    }
+}
+
+#[test]
 fn waiting_codes_are_those_of_the_settings() {
     let files = [("both.nc", "O1\nT0101\nM901\nM99\nO2\nT0202\nM901\nM99\n")];
     let of = |waits: Option<RangeInclusive<u32>>| of_files(&files, waits.as_ref()).unwrap().machine;
