@@ -84,7 +84,7 @@ fn balance(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
         return if on { pass(act) } else { Ok(()) };
     }
     let wait = match active.filter(|_| !on) {
-        Some(wait) => balance::at(act.channel().env.machine, &wait, BalanceStage::Off),
+        Some(wait) => balance::at(&wait, BalanceStage::Off),
         None => {
             match balance::wait(
                 act.channel().env.machine,
@@ -99,8 +99,7 @@ fn balance(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
         }
     };
     act.wait_for(wait)?;
-    act.channel_mut().state.others.balance =
-        on.then(|| balance::at(act.channel().env.machine, &wait, BalanceStage::Cut));
+    act.channel_mut().state.others.balance = on.then(|| balance::at(&wait, BalanceStage::Cut));
     Ok(())
 }
 

@@ -11,6 +11,7 @@ pub mod coordinator;
 pub mod files;
 mod hoard;
 mod locks;
+pub mod mark;
 pub mod merge;
 pub mod order;
 mod primitives;

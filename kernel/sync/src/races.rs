@@ -10,6 +10,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::wait::MarkSpace;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::channels::Channels;
@@ -94,7 +95,7 @@ pub struct RaceDetector {
 /// primitives each mark counts for itself.
 fn place(primitive: Primitive, key: WaitMark) -> WaitMark {
     match primitive {
-        Primitive::Barrier | Primitive::Count | Primitive::Join => WaitMark { space: 0, number: 0 },
+        Primitive::Barrier | Primitive::Count | Primitive::Join => WaitMark { space: MarkSpace::Statements, number: 0 },
         Primitive::Flag | Primitive::Order | Primitive::Signal | Primitive::Lease => key,
     }
 }
@@ -172,7 +173,7 @@ impl RaceDetector {
     /// The program of a channel ends.
     pub(crate) fn finish(&mut self, channel: u16) {
         if !self.is_idle() {
-            self.publish_at(channel, Primitive::Join, WaitMark { space: 0, number: 0 });
+            self.publish_at(channel, Primitive::Join, WaitMark { space: MarkSpace::Statements, number: 0 });
         }
     }
 

@@ -1,15 +1,16 @@
 //! Shared parts of the tests of this crate.
 
+use counterpoint_event::event::Primitive;
 use counterpoint_event::info::{Info, ResultBudget};
 use counterpoint_event::{Letters, MachineUnit};
 
 use crate::channels::Channels;
 use crate::order::idle::StartableProgram;
 use crate::wait::{
-    ChannelSet, Lasts, MarkRange, MismatchCheck, Reaction, Send, Wait, WaitMark, WaitOp, WaitRule, WaitRules,
+    ChannelSet, Lasts, MarkRange, MarkSpace, MismatchCheck, Reaction, RuleId, Send, Wait, WaitMark, WaitOp, WaitRule,
+    WaitRules,
 };
 use crate::waits::JobWaits;
-use counterpoint_event::event::Primitive;
 
 /// A job without files and channels: nothing has a name.
 pub(crate) fn info() -> Info {
@@ -36,17 +37,17 @@ pub(crate) fn waits(channels: u16) -> JobWaits {
     };
     let mismatch = MismatchCheck { refuses, title: "no pair", reaction: Reaction::Alarm };
     let rule = WaitRule { mismatch: Some(mismatch), ..WaitRule::plain("M") };
-    JobWaits::new(Channels::new(1..=channels), WaitRules::new([rule]), 0)
+    JobWaits::new(Channels::new(1..=channels), WaitRules::new([(RuleId::Start, rule)]), 0)
 }
 
 fn key(number: u32) -> WaitMark {
-    WaitMark { space: 0, number }
+    WaitMark { space: MarkSpace::Statements, number }
 }
 
 /// A wait of channels 1 to `channels`; a count needs two of them.
 pub(crate) fn wait(primitive: Primitive, number: u32, channels: u16) -> Wait {
     let need = if primitive == Primitive::Count { 2 } else { 0 };
-    Wait { primitive, key: key(number), named: None, parts: ChannelSet::up_to(channels), need, rule: 0 }
+    Wait { primitive, key: key(number), named: None, parts: ChannelSet::up_to(channels), need, rule: RuleId::Start }
 }
 
 /// A wait for a signal that any of channels 1 to `channels` sends to all channels.
@@ -94,7 +95,10 @@ impl ScriptedWaitOp {
             Self::Share => {
                 WaitOp::Signal(Send { key, to: ChannelSet::up_to(channels), broadcast: true, lasts: Lasts::Times(1) })
             }
-            Self::Remove => WaitOp::Remove { range: MarkRange { space: 0, first: number, last: number }, to: None },
+            Self::Remove => WaitOp::Remove {
+                range: MarkRange { space: MarkSpace::Statements, first: number, last: number },
+                to: None,
+            },
             Self::Free => WaitOp::Release(key),
         }
     }

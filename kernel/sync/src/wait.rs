@@ -5,23 +5,17 @@
 
 mod set;
 
+pub use crate::mark::{MarkRange, MarkSpace, RuleId, WaitMark};
+
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-pub use set::{ChannelSet, words};
+use counterpoint_event::event::{FileId, Primitive};
 
 use crate::channels::Channels;
 use crate::tag::Tag;
-use counterpoint_event::event::{FileId, Primitive};
 
-/// The mark of a wait: equal keys belong together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct WaitMark {
-    /// Which family of marks the number counts in.
-    pub space: u16,
-    /// Number of the mark.
-    pub number: u32,
-}
+pub use set::{ChannelSet, words};
 
 /// A wait as programmed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -36,8 +30,8 @@ pub struct Wait {
     pub parts: ChannelSet,
     /// How many of them must have come; 0: all. [`Primitive::Count`] counts the own one, [`Primitive::Signal`] senders.
     pub need: u16,
-    /// Its rule, by index.
-    pub rule: u16,
+    /// Its rule.
+    pub rule: RuleId,
 }
 
 /// A signal that is sent to each of these channels.
@@ -62,17 +56,6 @@ pub enum Lasts {
     Times(u32),
     /// All, until it is removed; only for all channels.
     Always,
-}
-
-/// Marks with numbers from the first to the last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct MarkRange {
-    /// Their family.
-    pub space: u16,
-    /// First number.
-    pub first: u32,
-    /// Last number.
-    pub last: u32,
 }
 
 /// An act of a channel for others at once, without waiting itself.
@@ -221,19 +204,22 @@ impl WaitRule {
     }
 }
 
-/// The rules of a machine, by the index in [`Wait::rule`].
+/// The rules of a machine, in the order of [`RuleId`].
 #[derive(Debug, Clone)]
-pub struct WaitRules(Arc<[WaitRule]>);
+pub struct WaitRules(Arc<[(RuleId, WaitRule)]>);
 
 impl WaitRules {
-    /// In the order of their indices.
-    pub fn new(rules: impl IntoIterator<Item = WaitRule>) -> Self {
-        Self(rules.into_iter().collect())
+    /// The rules with their identifiers, in any order.
+    pub fn new(rules: impl IntoIterator<Item = (RuleId, WaitRule)>) -> Self {
+        let mut rules: Vec<_> = rules.into_iter().collect();
+        rules.sort_by_key(|(id, _)| *id);
+        Self(rules.into())
     }
 
     /// The rule of a wait.
     pub fn of(&self, wait: &Wait) -> Option<&WaitRule> {
-        self.0.get(usize::from(wait.rule))
+        let at = self.0.binary_search_by_key(&wait.rule, |(id, _)| *id).ok()?;
+        self.0.get(at).map(|(_, rule)| rule)
     }
 
     /// Whether the code of a wait does more than wait.
@@ -253,7 +239,7 @@ impl WaitRules {
 
     /// Most signals that the control keeps, if it has a limit.
     pub(crate) fn most_signals(&self) -> Option<usize> {
-        self.0.iter().find_map(|rule| rule.signals.most).map(|most| most as usize)
+        self.0.iter().find_map(|(_, rule)| rule.signals.most).map(|most| most as usize)
     }
 
     /// Channels that wait at a wait of this primitive count as arrived at a wait.

@@ -7,9 +7,9 @@
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::Machine;
-use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitRule};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, RuleId, Wait, WaitMark, WaitRule};
 
-use super::{BALANCE, WaitArguments, all, channels, extra_rule};
+use super::{WaitArguments, all, channels};
 
 /// The common wait of the channels of balance cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,16 +48,16 @@ pub fn wait(machine: &Machine, said: WaitArguments) -> Result<Wait, String> {
     if parts.count() != 2 {
         return Err(format!("two channels cut in balance, not {}", parts.count()));
     }
-    Ok(stage(machine, parts, BalanceStage::On))
+    Ok(stage(parts, BalanceStage::On))
 }
 
 /// Another stage of the channels of a wait.
-pub fn at(machine: &Machine, wait: &Wait, to: BalanceStage) -> Wait {
-    stage(machine, wait.parts, to)
+pub fn at(wait: &Wait, to: BalanceStage) -> Wait {
+    stage(wait.parts, to)
 }
 
-fn stage(machine: &Machine, parts: ChannelSet, stage: BalanceStage) -> Wait {
+fn stage(parts: ChannelSet, stage: BalanceStage) -> Wait {
     let number = stage as u32;
-    let key = WaitMark { space: BALANCE, number };
-    Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule: extra_rule(machine) + number as u16 }
+    let key = WaitMark { space: MarkSpace::Balance, number };
+    Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule: RuleId::Balance(number as u16) }
 }

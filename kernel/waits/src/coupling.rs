@@ -11,9 +11,7 @@ use counterpoint_machine::index::AxisId;
 use counterpoint_machine::model::Machine;
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::sources::SeenSources;
-use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitNotation, WaitRule};
-
-use super::{COUPLING, extra_rule};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, RuleId, Wait, WaitMark, WaitNotation, WaitRule};
 
 /// The effect of the code on two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,14 +164,12 @@ pub fn pair(
 
 impl CoupledPair {
     /// Where both channels meet before the code acts. A code that names the slave alone is shown so.
-    pub fn wait(&self, machine: &Machine, off: bool) -> Wait {
+    pub fn wait(&self, off: bool) -> Wait {
         let at = self.kind as u16 * 2 + u16::from(off);
         let master = if off && self.kind != CouplingKind::Composite { 0 } else { u32::from(self.master.number) };
-        let key = WaitMark { space: COUPLING + at, number: (master << 15) | u32::from(self.slave.number) };
+        let key = WaitMark { space: MarkSpace::Coupling(at), number: (master << 15) | u32::from(self.slave.number) };
         let parts: ChannelSet = [self.master.channel, self.slave.channel].into_iter().collect();
-        // The rules of balance cutting come before.
-        let rule = extra_rule(machine) + 3 + at;
-        Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule }
+        Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule: RuleId::Coupling(at) }
     }
 
     /// The axis of a channel, and the other axis.

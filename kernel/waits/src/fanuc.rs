@@ -5,7 +5,7 @@
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::PathsForm;
-use counterpoint_sync::wait::{ChannelSet, MismatchCheck, Reaction, Wait, WaitRule};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, MismatchCheck, Reaction, Wait, WaitRule};
 
 use super::{WaitArguments, channels};
 
@@ -24,7 +24,9 @@ pub(super) fn rule(letter: &str) -> WaitRule {
 /// Case of PS0160 when both stand at the same time.
 fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
     // Codes that two channels execute together are not waiting codes.
-    let joint = [wait, other].iter().any(|wait| (super::COUPLING..=super::BALANCE).contains(&wait.key.space));
+    let joint = [wait, other]
+        .iter()
+        .any(|wait| matches!(wait.key.space, MarkSpace::Coupling(_) | MarkSpace::Lease | MarkSpace::Balance));
     if joint || wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
         return None;
     }
@@ -67,15 +69,15 @@ pub(super) fn participants(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoint_sync::wait::WaitMark;
+    use counterpoint_sync::wait::{RuleId, WaitMark};
 
     #[test]
     fn cases_of_the_alarm() {
         let wait = |number, named: &[u16]| {
             let named = (!named.is_empty()).then(|| named.iter().copied().collect::<ChannelSet>());
             let parts = named.unwrap_or(ChannelSet::up_to(2));
-            let key = WaitMark { space: 0, number };
-            Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule: 0 }
+            let key = WaitMark { space: MarkSpace::Statements, number };
+            Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule: RuleId::Start }
         };
         for (first, second, alarm) in [
             (wait(101, &[]), wait(102, &[]), true),

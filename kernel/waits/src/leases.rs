@@ -8,10 +8,10 @@ use std::sync::Arc;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::index::AxisId;
 use counterpoint_machine::model::{Machine, WaitAct};
-use counterpoint_sync::wait::{ChannelSet, Wait, WaitMark, WaitOp};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, Wait, WaitMark, WaitOp};
 
 use super::statements::{find, known_channel};
-use super::{LEASE, Meaning, all, of_row};
+use super::{Meaning, all, of_row};
 
 /// The kind of object that a statement exchanges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,12 +27,12 @@ pub enum Leased {
 /// The lease of an axis.
 #[must_use]
 pub fn of_axis(axis: AxisId) -> WaitMark {
-    WaitMark { space: LEASE, number: axis.index() as u32 }
+    WaitMark { space: MarkSpace::Lease, number: axis.index() as u32 }
 }
 
 /// The lease of a spindle, by its position.
 fn of_spindle(machine: &Machine, at: usize) -> WaitMark {
-    WaitMark { space: LEASE, number: (machine.axes.len() + at) as u32 }
+    WaitMark { space: MarkSpace::Lease, number: (machine.axes.len() + at) as u32 }
 }
 
 /// Names of all that has a lease, by number.

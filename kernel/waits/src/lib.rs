@@ -1,7 +1,7 @@
 //! The waits of a machine: from a word or a statement of the program to a wait or an act of `sync`, by the machine's
 //! data.
 //!
-//! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
+//! *Invariant:* the kernels and the coordinator of a job name the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.
 
 pub mod balance;
@@ -22,32 +22,15 @@ pub use statements::{WaitStatement, by_statement, known_channel, operands};
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::index::RegisterId;
-use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
+use counterpoint_machine::model;
+use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_sync::wait::{
-    Absent, ChannelSet, Lasts, Send, Wait, WaitMark, WaitNotation, WaitOp, WaitRule, WaitRules,
+    Absent, ChannelSet, Lasts, MarkSpace, RuleId, Send, Wait, WaitMark, WaitNotation, WaitOp, WaitRule, WaitRules,
 };
 
-/// The rule of the start by a head; the marks of both heads follow.
-const START: u16 = 0;
 /// Letters of the marks of both heads: on each, at the start of a stretch, at its end.
 const HEADS: [char; 3] = ['S', 'B', 'E'];
-/// The rule of a waiting code without a letter.
-const BARE: u16 = 4;
-/// The rule of codes of the letter A; those of the other letters and of the rows of `[[waits]]` follow.
-const LETTERS: u16 = 5;
-/// The rule of the first row.
-const ROWS: u16 = LETTERS + 26;
-
-/// Families of marks: below these a letter, from here on a register or a row.
-const BY_REGISTER: u16 = 0x4000;
-/// Balance cutting; a letter is below it.
-const BALANCE: u16 = 0x3fff;
-/// Axes and spindles that channels exchange.
-const LEASE: u16 = 0x3ffe;
-/// Coupled axes: the first of six families, one for each code.
-const COUPLING: u16 = 0x3ff0;
-const BY_ROW: u16 = 0x8000;
 
 /// The meaning of a word of the program.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,17 +52,18 @@ pub struct WaitArguments {
     pub list: Option<f64>,
 }
 
-/// The rules of all waits of a machine. The rules of a composite machine and of its components have the same numbers,
-/// regardless of their registers.
+/// The rules of all waits of a machine. The rules of a composite machine and of its components have the same
+/// identifiers, regardless of their registers.
 #[must_use]
 pub fn rules(machine: &Machine) -> WaitRules {
-    let start = std::iter::once(WaitRule::plain("START"));
-    let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
-    let letters = ('A'..='Z').map(|letter| fanuc::rule(&letter.to_string()));
-    let rows = machine.sync.waits.iter().map(|row| rule(machine, row));
-    WaitRules::new(
-        start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)).chain(coupling::rules(machine)),
-    )
+    let start = std::iter::once((RuleId::Start, WaitRule::plain("START")));
+    let heads = (0..).zip(HEADS).map(|(at, letter)| (RuleId::Head(at), fanuc::rule(&letter.to_string())));
+    let bare = std::iter::once((RuleId::Bare, fanuc::rule("M")));
+    let letters = ('A'..='Z').map(|letter| (RuleId::Letter(letter), fanuc::rule(&letter.to_string())));
+    let rows = (0..).zip(&machine.sync.waits).map(|(at, row)| (RuleId::Row(at), rule(machine, row)));
+    let balance = (0..).zip(balance::rules(machine)).map(|(at, rule)| (RuleId::Balance(at), rule));
+    let couplings = (0..).zip(coupling::rules(machine)).map(|(at, rule)| (RuleId::Coupling(at), rule));
+    WaitRules::new(start.chain(heads).chain(bare).chain(letters).chain(rows).chain(balance).chain(couplings))
 }
 
 /// The word of the first row with a code, of the machine or of one of its components.
@@ -91,15 +75,10 @@ fn word(machine: &Machine, id: CodeId) -> Option<String> {
     own.or_else(|| machine.components.iter().find_map(|component| word(&component.machine, id)))
 }
 
-/// The first rule after those of the rows.
-fn extra_rule(machine: &Machine) -> u16 {
-    ROWS + machine.sync.waits.len() as u16
-}
-
 /// The rule of codes of a letter.
-fn of_letter(letter: char) -> u16 {
-    let at = u32::from(letter.to_ascii_uppercase()).wrapping_sub(u32::from('A'));
-    if at < 26 { LETTERS + at as u16 } else { BARE }
+fn of_letter(letter: char) -> RuleId {
+    let letter = letter.to_ascii_uppercase();
+    if letter.is_ascii_uppercase() { RuleId::Letter(letter) } else { RuleId::Bare }
 }
 
 fn letter(name: &str) -> char {
@@ -136,8 +115,8 @@ fn rule(machine: &Machine, row: &WaitRow) -> WaitRule {
 
 /// Whether the path need not stop at a wait.
 pub fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
-    let row = wait.rule.checked_sub(ROWS);
-    row.and_then(|row| machine.sync.waits.get(usize::from(row))).is_some_and(|row| !row.stops)
+    let RuleId::Row(row) = wait.rule else { return false };
+    machine.sync.waits.get(usize::from(row)).is_some_and(|row| !row.stops)
 }
 
 /// All channels of the machine.
@@ -153,18 +132,18 @@ pub fn heads(machine: &Machine) -> ChannelSet {
 /// The mark of both heads with one of their letters.
 pub fn head_mark(letter: char, number: u32, heads: ChannelSet) -> Wait {
     let index = HEADS.iter().position(|head| *head == letter).unwrap_or(0);
-    barrier(letter, number, (None, heads), START + 1 + index as u16)
+    barrier(letter, number, (None, heads), RuleId::Head(index as u16))
 }
 
 /// The start of the other head by this one, and the wait of the other head for it.
 pub fn start(by: u16, heads: ChannelSet) -> (WaitOp, Wait) {
-    let key = WaitMark { space: 'S' as u16, number: u32::from(by) };
-    let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: START };
+    let key = WaitMark { space: MarkSpace::Letter('S'), number: u32::from(by) };
+    let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: RuleId::Start };
     (WaitOp::Signal(Send { key, to: heads.without(by), broadcast: false, lasts: Lasts::Each }), wait)
 }
 
-fn barrier(letter: char, number: u32, (named, parts): (Option<ChannelSet>, ChannelSet), rule: u16) -> Wait {
-    let key = WaitMark { space: letter as u16, number };
+fn barrier(letter: char, number: u32, (named, parts): (Option<ChannelSet>, ChannelSet), rule: RuleId) -> Wait {
+    let key = WaitMark { space: MarkSpace::Letter(letter), number };
     Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule }
 }
 
@@ -194,7 +173,7 @@ pub fn is_for_nobody(wait: &Wait, own: u16) -> bool {
 fn by_letter(machine: &Machine, code: &CodeRow, said: WaitArguments) -> Result<Meaning, String> {
     let register = register(&code.form);
     let name = register.map_or("M", |register| machine.registers[register].name.as_str());
-    let rule = register.map_or(BARE, |_| of_letter(letter(name)));
+    let rule = register.map_or(RuleId::Bare, |_| of_letter(letter(name)));
     let parts = fanuc::participants(said, machine.sync.paths, all(machine))?;
     Ok(Meaning::Wait(barrier(letter(name), said.number, parts, rule)))
 }
@@ -219,9 +198,9 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: WaitArguments)
     let number = if matches!(row.form, Some(CodeForm::Text(_))) { row.mark } else { said.number };
     let space = match (row.primitive, row.form.as_ref().and_then(register)) {
         // Words that wait for each other have one letter; the others belong together under any name.
-        (Primitive::Barrier | Primitive::Count, Some(_)) => BY_REGISTER + first_of_word(machine, row),
-        (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
-        _ => 0,
+        (Primitive::Barrier | Primitive::Count, Some(_)) => MarkSpace::Word(first_of_word(machine, row)),
+        (Primitive::Barrier | Primitive::Count, None) => MarkSpace::Row(index),
+        _ => MarkSpace::Statements,
     };
     let key = WaitMark { space, number };
     Ok(of_row((index, row), key, (named, parts), said.channel))
@@ -242,7 +221,7 @@ fn of_row(
 ) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };
-    let rule = ROWS + index;
+    let rule = RuleId::Row(index);
     let wait = Wait { primitive: row.primitive, key, named, parts, need, rule };
     match row.act {
         // A word neither selects nor starts: the loader refuses that.

@@ -6,13 +6,12 @@
 
 use counterpoint_event::info::Info;
 use counterpoint_machine::model::Machine;
-use counterpoint_machine::rows::CodeForm;
-use counterpoint_machine::rows::CodeRow;
+use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::line_up::LineUp;
 use counterpoint_program::sources::SeenSources;
-use counterpoint_sync::wait::{ChannelSet, WaitMark};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, WaitMark};
 
-use super::{BY_ROW, Meaning, all, of_row};
+use super::{Meaning, all, of_row};
 
 /// The meaning of such a word in this channel; none for other codes.
 ///
@@ -48,6 +47,6 @@ pub fn of_systems(
     if parts.count() == 1 {
         parts = everybody;
     }
-    let key = WaitMark { space: BY_ROW + index as u16, number: label };
+    let key = WaitMark { space: MarkSpace::Row(index as u16), number: label };
     Some(Ok(of_row((index as u16, row), key, (None, parts), channel)))
 }

@@ -20,13 +20,14 @@ fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
 mod tests {
     use super::*;
     use counterpoint_sync::wait::{ChannelSet, WaitMark};
+    use counterpoint_sync::wait::{MarkSpace, RuleId};
 
     #[test]
     fn lists_correspond_when_they_are_equal_or_have_nobody_in_common() {
         let wait = |number, channels: &[u16]| {
             let parts: ChannelSet = channels.iter().copied().collect();
-            let key = WaitMark { space: 0, number };
-            Wait { primitive: Primitive::Flag, key, named: Some(parts), parts, need: 0, rule: 0 }
+            let key = WaitMark { space: MarkSpace::Statements, number };
+            Wait { primitive: Primitive::Flag, key, named: Some(parts), parts, need: 0, rule: RuleId::Start }
         };
         for (one, other, warns) in [
             (wait(40, &[1, 2]), wait(40, &[1, 2]), false),

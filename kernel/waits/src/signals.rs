@@ -8,10 +8,10 @@
 use counterpoint_control_api::Signal;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
-use counterpoint_sync::wait::{ChannelSet, Lasts, Send, SignalRules, Wait, WaitMark};
+use counterpoint_sync::wait::{ChannelSet, Lasts, MarkSpace, RuleId, Send, SignalRules, Wait, WaitMark};
 
+use super::all;
 use super::statements::{find, known_channel};
-use super::{ROWS, all};
 
 /// Most waits that a signal is for.
 const MOST_USES: f64 = 1_000_000.0;
@@ -64,10 +64,10 @@ fn read<'m>(
     machine: &'m Machine,
     statement: &str,
     signal: &Signal,
-) -> Result<(u16, &'m WaitRow, WaitMark, Option<ChannelSet>), String> {
+) -> Result<(RuleId, &'m WaitRow, WaitMark, Option<ChannelSet>), String> {
     let (index, row) = find(machine, statement).ok_or_else(|| format!("{statement} is not known"))?;
-    let key = WaitMark { space: 0, number: signal_number(machine, statement, signal.number)? };
-    Ok((ROWS + index, row, key, channels(machine, &signal.channels)?))
+    let key = WaitMark { space: MarkSpace::Statements, number: signal_number(machine, statement, signal.number)? };
+    Ok((RuleId::Row(index), row, key, channels(machine, &signal.channels)?))
 }
 
 /// A signal that is sent, and the wait that it is shown as.

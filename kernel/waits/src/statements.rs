@@ -7,7 +7,7 @@
 use counterpoint_control_api::Operands;
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
-use counterpoint_sync::wait::{ChannelSet, WaitMark};
+use counterpoint_sync::wait::{ChannelSet, MarkSpace, WaitMark};
 
 use super::{Meaning, all, of_row};
 
@@ -71,7 +71,12 @@ pub fn by_statement(
     }
     let parts = if channels.is_empty() { everybody } else { named.with(channel) };
     let named = (!channels.is_empty()).then_some(named);
-    Ok(WaitStatement::Meaning(of_row((index, row), WaitMark { space: 0, number }, (named, parts), channel)))
+    Ok(WaitStatement::Meaning(of_row(
+        (index, row),
+        WaitMark { space: MarkSpace::Statements, number },
+        (named, parts),
+        channel,
+    )))
 }
 
 /// A channel of the machine by its number.

@@ -62,7 +62,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let before = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == pair);
         let meetings = before.map_or(0, |coupling| coupling.meetings.wrapping_add(1));
-        let theirs = self.meet_at(&pair, Meeting::On(meetings), pair.wait(machine, false))?;
+        let theirs = self.meet_at(&pair, Meeting::On(meetings), pair.wait(false))?;
         let moved = self.uncouple(&pair, theirs.by);
         let stood = self.place_of(slot);
         let sign = pair.sign(machine);
@@ -86,7 +86,7 @@ impl Kernel<'_> {
     /// Ends a coupling of this channel together with the other channel.
     pub fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
         self.flush_lookahead()?;
-        let theirs = self.meet_at(&pair, Meeting::Off, pair.wait(self.channel.env.machine, true))?;
+        let theirs = self.meet_at(&pair, Meeting::Off, pair.wait(true))?;
         let moved = self.uncouple(&pair, theirs.by);
         self.log_coupling(&pair, " off", moved);
         if moved.is_some() && self.channel.state.place.layout.bounds.limited {

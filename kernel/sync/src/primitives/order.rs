@@ -6,11 +6,11 @@
 use std::collections::BTreeMap;
 
 use super::Scene;
-use crate::wait::{MissingChannels, Wait};
+use crate::wait::{MarkSpace, MissingChannels, Wait};
 
 /// By family of marks and channel: the number that it has reached.
 #[derive(Debug, Clone, Default)]
-pub(super) struct ReachedNumbers(BTreeMap<(u16, u16), u32>);
+pub(super) struct ReachedNumbers(BTreeMap<(MarkSpace, u16), u32>);
 
 impl ReachedNumbers {
     fn of(&self, channel: u16, wait: &Wait) -> Option<u32> {

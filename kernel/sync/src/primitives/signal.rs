@@ -279,17 +279,18 @@ impl PendingSignals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wait::{MarkSpace, RuleId};
     use counterpoint_event::event::Primitive;
 
     fn key(number: u32) -> WaitMark {
-        WaitMark { space: 0, number }
+        WaitMark { space: MarkSpace::Statements, number }
     }
 
     fn wait(number: u32, from: Option<&[u16]>) -> Wait {
         let named = from.map(|from| from.iter().copied().collect());
         let need = u16::from(from.is_none());
         let parts = named.unwrap_or(ChannelSet::up_to(3));
-        Wait { primitive: Primitive::Signal, key: key(number), named, parts, need, rule: 0 }
+        Wait { primitive: Primitive::Signal, key: key(number), named, parts, need, rule: RuleId::Start }
     }
 
     fn send(number: u32, to: Option<&[u16]>, lasts: Lasts) -> Send {
@@ -382,7 +383,7 @@ mod tests {
             assert_eq!(signals.send(1, send(8, None, Lasts::Each), None, Some(99)), Ok(()));
             assert_eq!(signals.send(1, send(9, None, Lasts::Always), None, Some(99)), Ok(()));
         }
-        let range = |first, last| MarkRange { space: 0, first, last };
+        let range = |first, last| MarkRange { space: MarkSpace::Statements, first, last };
         signals.remove(range(7, 7), Some(ChannelSet::up_to(2)));
         assert_eq!([0; 2].map(|_| takes(&mut signals, 2, &wait(7, Some(&[1])))), [true, false]);
         signals.remove(range(8, 8), None);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::wait::{Lasts, Wait};
+use crate::wait::{Lasts, MarkSpace, RuleId, Wait};
 
 const V: RaceVariable = RaceVariable::Common(100);
 
@@ -18,7 +18,14 @@ fn lines(races: &mut RaceDetector, access: AccessSite, mode: AccessMode) -> Vec<
 
 fn wait(primitive: Primitive, number: u32, channels: &[u16]) -> Wait {
     let parts: ChannelSet = channels.iter().copied().collect();
-    Wait { primitive, key: WaitMark { space: 1, number }, named: None, parts, need: 0, rule: 0 }
+    Wait {
+        primitive,
+        key: WaitMark { space: MarkSpace::Row(1), number },
+        named: None,
+        parts,
+        need: 0,
+        rule: RuleId::Start,
+    }
 }
 
 #[test]
@@ -49,7 +56,7 @@ fn a_barrier_orders_what_is_before_it_and_nothing_after_it() {
 fn a_flag_orders_one_way() {
     let mut races = races();
     lines(&mut races, at(1, 1), AccessMode::Write);
-    races.act(1, WaitOp::Set(WaitMark { space: 1, number: 5 }));
+    races.act(1, WaitOp::Set(WaitMark { space: MarkSpace::Row(1), number: 5 }));
     lines(&mut races, at(1, 2), AccessMode::Write);
     let flag = wait(Primitive::Flag, 5, &[1, 2]);
     races.arrive(2, &flag);
@@ -57,7 +64,7 @@ fn a_flag_orders_one_way() {
     assert_eq!(lines(&mut races, at(2, 3), AccessMode::Read), [(1, 2)], "the second write comes after the flag");
     let mut races = super::tests::races();
     lines(&mut races, at(2, 1), AccessMode::Write);
-    races.act(1, WaitOp::Set(WaitMark { space: 1, number: 5 }));
+    races.act(1, WaitOp::Set(WaitMark { space: MarkSpace::Row(1), number: 5 }));
     races.arrive(2, &flag);
     races.release(ChannelSet::default().with(2), 2);
     assert_eq!(lines(&mut races, at(1, 2), AccessMode::Read), [(2, 1)], "who set the flag did not wait");
@@ -81,14 +88,14 @@ fn signals_leases_starts_and_ends_order() {
     let acts: [(WaitOp, Wait); 2] = [
         (
             WaitOp::Signal(Send {
-                key: WaitMark { space: 1, number: 1 },
+                key: WaitMark { space: MarkSpace::Row(1), number: 1 },
                 to: ChannelSet::up_to(3),
                 broadcast: false,
                 lasts: Lasts::Each,
             }),
             wait(Primitive::Signal, 1, &[1, 2]),
         ),
-        (WaitOp::Release(WaitMark { space: 1, number: 1 }), wait(Primitive::Lease, 1, &[1, 2, 3])),
+        (WaitOp::Release(WaitMark { space: MarkSpace::Row(1), number: 1 }), wait(Primitive::Lease, 1, &[1, 2, 3])),
     ];
     for (act, wait) in acts {
         for late in [false, true] {

@@ -184,17 +184,18 @@ fn is_mark(primitive: Primitive) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wait::{MarkSpace, RuleId};
     use crate::wait::{SignalRules, WaitMark};
 
     #[test]
     fn marks_in_lines() {
         let wait = |number| Wait {
             primitive: Primitive::Barrier,
-            key: WaitMark { space: 0, number },
+            key: WaitMark { space: MarkSpace::Statements, number },
             named: None,
             parts: ChannelSet::up_to(2),
             need: 0,
-            rule: 0,
+            rule: RuleId::Start,
         };
         let word = WaitRule::plain("M");
         let statement = WaitRule { style: WaitNotation::Statement, ..WaitRule::plain("WAITM") };

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::*;
-use crate::wait::{Lasts, MarkRange, Send, WaitMark, WaitRule, WaitRules};
+use crate::wait::{Lasts, MarkRange, MarkSpace, RuleId, Send, WaitMark, WaitRule, WaitRules};
 
 /// Numbers that are the same in every run of the test.
 struct Numbers(u64);
@@ -31,7 +31,14 @@ fn set(channels: &[u16]) -> ChannelSet {
 
 fn wait(primitive: Primitive, number: u32, parts: &[u16], need: u32) -> Wait {
     let need = need as u16;
-    Wait { primitive, key: WaitMark { space: 0, number }, named: Some(set(parts)), parts: set(parts), need, rule: 0 }
+    Wait {
+        primitive,
+        key: WaitMark { space: MarkSpace::Statements, number },
+        named: Some(set(parts)),
+        parts: set(parts),
+        need,
+        rule: RuleId::Start,
+    }
 }
 
 /// Everything that channels do in a test of one primitive.
@@ -39,7 +46,7 @@ fn steps(primitive: Primitive) -> Vec<FutureStep> {
     let lists: [&[u16]; 4] = [&[1, 2], &[2, 3], &[1, 3], &[1, 2, 3]];
     let mut steps: Vec<FutureStep> = Vec::new();
     for number in [1, 2] {
-        let key = WaitMark { space: 0, number };
+        let key = WaitMark { space: MarkSpace::Statements, number };
         match primitive {
             Primitive::Signal => {
                 let send = |broadcast, lasts| {
@@ -48,7 +55,7 @@ fn steps(primitive: Primitive) -> Vec<FutureStep> {
                 steps.push(send(false, Lasts::Each));
                 steps.push(send(true, Lasts::Each));
                 steps.push(send(true, Lasts::Times(1)));
-                let range = MarkRange { space: 0, first: number, last: number };
+                let range = MarkRange { space: MarkSpace::Statements, first: number, last: number };
                 steps.push(FutureStep::Act(WaitOp::Remove { range, to: None }));
                 steps.push(FutureStep::Arrive(Wait { named: None, ..wait(primitive, number, &[1, 2, 3], 1) }));
             }
@@ -126,8 +133,11 @@ fn exactly_those_are_dead_whom_no_continuation_releases() {
     for primitive in [Barrier, Flag, Order, Count, Signal, Lease] {
         let steps = steps(primitive);
         for _ in 0..40 {
-            let mut waits =
-                JobWaits::new(crate::channels::Channels::new(1..=CHANNELS), WaitRules::new([WaitRule::plain("M")]), 0);
+            let mut waits = JobWaits::new(
+                crate::channels::Channels::new(1..=CHANNELS),
+                WaitRules::new([(RuleId::Start, WaitRule::plain("M"))]),
+                0,
+            );
             for t in 0..8 {
                 let running: Vec<u16> = (1..=CHANNELS).filter(|&channel| waits.places.runs(channel)).collect();
                 let Some(&channel) = running.get(numbers.below(running.len().max(1))) else { break };

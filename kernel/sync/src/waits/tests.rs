@@ -1,5 +1,5 @@
 use super::*;
-use crate::wait::{Absent, Lasts, MarkRange, MismatchCheck, Send, Terminal, WaitMark, WaitRule};
+use crate::wait::{Absent, Lasts, MarkRange, MarkSpace, MismatchCheck, RuleId, Send, Terminal, WaitMark, WaitRule};
 
 /// Channels by number.
 fn set(channels: &[u16]) -> ChannelSet {
@@ -9,7 +9,14 @@ fn set(channels: &[u16]) -> ChannelSet {
 /// A wait of these channels.
 fn wait(primitive: Primitive, number: u32, parts: &[u16]) -> Wait {
     let parts = set(parts);
-    Wait { primitive, key: WaitMark { space: 0, number }, named: Some(parts), parts, need: 0, rule: 0 }
+    Wait {
+        primitive,
+        key: WaitMark { space: MarkSpace::Statements, number },
+        named: Some(parts),
+        parts,
+        need: 0,
+        rule: RuleId::Start,
+    }
 }
 
 fn at(channel: u16, t: i64, wait: Wait) -> WaitingChannel {
@@ -21,7 +28,7 @@ fn tag(channel: u16, t: i64) -> Tag {
 }
 
 fn key(number: u32) -> WaitMark {
-    WaitMark { space: 0, number }
+    WaitMark { space: MarkSpace::Statements, number }
 }
 
 fn ended() -> Finish {
@@ -29,7 +36,7 @@ fn ended() -> Finish {
 }
 
 fn rule(absent: Absent) -> WaitRules {
-    WaitRules::new([WaitRule { absent, list: " P".into(), ..WaitRule::plain("M") }])
+    WaitRules::new([(RuleId::Start, WaitRule { absent, list: " P".into(), ..WaitRule::plain("M") })])
 }
 
 fn waits(channels: u16) -> JobWaits {
@@ -107,7 +114,7 @@ fn a_rule_refuses_pairs_of_waits() {
         WaitRule { mismatch: Some(mismatch), ..WaitRule::plain("M") }
     };
     let arrive = |reaction| {
-        let mut waits = JobWaits::new(Channels::new(1..=2), WaitRules::new([rule(reaction)]), 0);
+        let mut waits = JobWaits::new(Channels::new(1..=2), WaitRules::new([(RuleId::Start, rule(reaction))]), 0);
         waits.arrive(at(1, 1, wait(Primitive::Barrier, 1, &[1, 2])));
         let second = at(2, 2, wait(Primitive::Barrier, 2, &[1, 2]));
         assert_eq!(waits.arrive_plainly(second), None);
@@ -268,7 +275,7 @@ fn a_signal_that_all_share_ends_the_longest_wait() {
     assert!(waits.pass(&at(3, 5, any)) && !waits.pass(&at(3, 5, any)), "one use was left");
     assert_eq!(act(&mut waits, tag(1, 6), send(Lasts::Always)), NOBODY);
     assert!(waits.pass(&at(3, 7, any)) && waits.pass(&at(3, 7, any)));
-    let remove = WaitOp::Remove { range: MarkRange { space: 0, first: 7, last: 7 }, to: None };
+    let remove = WaitOp::Remove { range: MarkRange { space: MarkSpace::Statements, first: 7, last: 7 }, to: None };
     assert_eq!(act(&mut waits, tag(1, 8), remove), NOBODY);
     assert!(!waits.pass(&at(3, 9, any)));
 }
