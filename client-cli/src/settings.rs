@@ -33,7 +33,7 @@ pub(crate) enum MachineSetting {
     System(char),
     /// Common variables that all channels share.
     Shared(u32, u32),
-    /// Where an axis meets a part or a stop, by the name of the axis.
+    /// Name of an axis, and the position at which it meets a part or a stop.
     Stop(String, f64),
     /// A warning by its number, switched off or on.
     Warning(u32, bool),
@@ -108,7 +108,7 @@ impl FromStr for MachineSetting {
     }
 }
 
-/// `stop.B=-408`.
+/// Reads a setting such as `stop.B=-408`.
 fn stop(axis: &str, value: &str) -> Result<MachineSetting, String> {
     if axis.is_empty() || !axis.chars().all(|c| c.is_ascii_alphanumeric()) {
         return Err(format!("'{axis}' is not the name of an axis: give stop.AXIS=POSITION, for example stop.B=-408"));

@@ -106,7 +106,7 @@ impl Mentionable {
         if CALLED_WITHOUT_ENDING.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
             add(&mut self.stems, stem);
         }
-        // Calls of LinuxCNC write a number after a letter: `o100 call`, `M98 P100`.
+        // Calls of LinuxCNC have a letter before the number: `o100 call`, `M98 P100`.
         if ending.eq_ignore_ascii_case("ngc") && stem.bytes().all(|byte| byte.is_ascii_digit()) {
             add(&mut self.stems, &format!("o{stem}"));
             add(&mut self.stems, &format!("p{stem}"));

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs the fixtures of FluidNC by `counterpoint run` on the machine `linuxcnc-mill`, whose language is nearest, and
-compares the printed lines with those that the fixtures expect. Nothing of them is kept here.
+"""Runs the fixtures of FluidNC by `counterpoint run` on the machine `linuxcnc-mill`, which has the nearest language.
+Compares the printed lines with those that the fixtures expect. This repository holds no fixture.
 
 usage: fluidnc.py REPOSITORY [--counterpoint BINARY]
 

@@ -6,8 +6,9 @@ usage: linuxcnc.py [--seeds N] [--first K] [--counterpoint BINARY] [--rs274 BINA
 
 Programs have O codes (sub, call, return, if, while, do, repeat, break, continue), parameters by number and with names,
 expressions, lines and circles, G10 L2 and L20 with rotation, G92 and its ends, G52, G28 and G30 with stored positions,
-G43, G43.1, G53, G90.1, canned cycles with G98 and G99, G76, polar words, words of A, contours with cutter compensation,
-both units, and the blocks of rs274.py. What differs for a reason is not generated: see docs/coverage/linuxcnc.md.
+G43, G43.1, G53, G90.1, canned cycles with G98 and G99, G76, polar words, A words, contours with cutter compensation,
+both units, and the blocks of rs274.py. Words with intended differences are not generated: see
+docs/coverage/linuxcnc.md.
 """
 import argparse
 import concurrent.futures

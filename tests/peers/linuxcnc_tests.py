@@ -6,7 +6,7 @@ usage: linuxcnc_tests.py REPOSITORY [--counterpoint BINARY] [--show NAME]
 
 REPOSITORY is a (bare) clone of github.com/LinuxCNC/linuxcnc. A test counts if it consists of `rs274 -g` on one program
 without a configuration of its own; the expected text is read from the file `expected` of its folder. Its table of
-tools is added to the machine. Two moves at feed in one direction count as one, a rigid tap as a move and its way back.
+tools is added to the machine. Two moves at feed in one direction count as one, a rigid tap as a move and its return.
 KNOWN lists the tests that differ for a reason.
 """
 import argparse

@@ -1,7 +1,7 @@
 //! Moves against a fixed stop: one block, or all feed moves between two codes.
 //!
-//! Facts: reference shop-machines.md 2, 5, 6, 12 (push check, torque skip). Decisions: a distance of approach and a
-//! distance beyond the end belong to a move of one axis. *Invariant:* after the block no axis of it remains marked.
+//! Facts: reference shop-machines.md 2, 5, 6, 12 (push check, torque skip). Decisions: the distances of
+//! approach and overtravel apply only to a move of one axis. *Invariant:* after its block no axis remains marked.
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
@@ -26,7 +26,7 @@ fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     Ok(())
 }
 
-/// A feed move to a stop.
+/// Makes a feed move to a stop.
 fn press(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
     let [approach, beyond] = [data::FIXED_STOP_APPROACH, data::FIXED_STOP_OVERTRAVEL]
@@ -55,7 +55,7 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
     moved
 }
 
-/// A move of no length: the axes must already be at the stop.
+/// Makes a move without length: the axes must already be at the stop.
 fn stand(act: &mut ActionContext<'_, '_>, coded: u8, at: Position) -> Acted {
     let feed = act.feed();
     let feed = (feed.0.unwrap_or(0.0), feed.1);

@@ -39,7 +39,7 @@ impl ActionContext<'_, '_> {
         self.channel().check_stop()
     }
 
-    /// Looks at a feed per minute that is above [`look_above`](counterpoint_channel::plausible::Plausible).
+    /// Checks a feed per minute above [`look_above`](counterpoint_channel::plausible::Plausible).
     #[cold]
     pub(crate) fn look_at_feed(&mut self, feed: f64, path: &TimedPath<'_>) -> Acted {
         let again = self.look_at_spindle(path)?;

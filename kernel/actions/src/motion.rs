@@ -392,7 +392,7 @@ impl ActionContext<'_, '_> {
     }
 }
 
-/// A straight move with a new end, at rapid or at feed: its time in seconds, and the move.
+/// Gives a straight move a new end, at rapid or at feed; returns its time in seconds, and the move.
 pub(super) fn straight_to(
     act: &mut ActionContext<'_, '_>,
     motion: &Motion,

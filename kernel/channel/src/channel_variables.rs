@@ -13,7 +13,7 @@ type Locals = [f64; 34];
 #[derive(Debug)]
 pub struct ChannelVariables {
     calls: CallStack<Locals>,
-    /// Values of the system variables.
+    /// Numbered variables of this channel, except local and kept ones.
     pub own: FxHashMap<u32, f64>,
     /// Print of those that have been written: equal while their values are.
     print: u64,
@@ -103,7 +103,7 @@ impl ChannelVariables {
         self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
-    /// Writes a variable of the channel's own.
+    /// Writes a variable that belongs to this channel.
     pub fn set_own(&mut self, index: u32, value: f64) {
         self.writes += 1;
         let before = self.own.insert(index, value).unwrap_or(VACANT);
@@ -130,7 +130,7 @@ fn print(index: u32, value: f64) -> u64 {
     mix(mix(value.to_bits() ^ mix(u64::from(index) + 1)) + 1)
 }
 
-/// Whether one of these ranges holds a number.
+/// Whether one of these ranges contains the number.
 pub fn within(ranges: &[(u32, u32)], index: u32) -> bool {
     ranges.iter().any(|&(low, high)| (low..=high).contains(&index))
 }

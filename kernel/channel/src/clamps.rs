@@ -61,7 +61,7 @@ impl MotionState {
         self.layout.axes.find(|axis| axis.data == id)
     }
 
-    /// Records that an axis is clamped, or free.
+    /// Records whether an axis is clamped.
     pub fn set_clamp(&mut self, axis: AxisSlot, on: bool) {
         let clamped = self.clamped;
         self.clamped = if on { clamped | axis.bit() } else { clamped & !axis.bit() };

@@ -27,7 +27,7 @@ impl Default for CoolantState {
     }
 }
 
-/// Index of the head whose coolant an outlet is.
+/// Index of the head that an outlet cools.
 pub fn head(outlet: Outlet) -> usize {
     usize::from(outlet == Outlet::Side)
 }

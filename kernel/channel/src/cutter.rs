@@ -70,7 +70,7 @@ pub enum MoveShape {
         made: MotionArc,
         /// The axes of its plane.
         axes: [AxisSlot; 2],
-        /// Full turns beside the arc.
+        /// Full turns in addition to the arc.
         turns: u16,
     },
 }
@@ -121,7 +121,7 @@ pub struct CutterCompensation {
     pub axes: [AxisSlot; 2],
     /// End of the last programmed move, in the work frame.
     pub contour: Position,
-    /// How far compensation has come.
+    /// Progress of the compensation.
     pub stage: CompensationStage,
     /// The move that waits, and moves beside the plane after it.
     pub waiting: Vec<WaitingMove>,

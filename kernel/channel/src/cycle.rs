@@ -66,7 +66,7 @@ pub struct CycleHeights {
     pub depth: Option<Height>,
     /// Height to which the tool retracts.
     pub retract: Option<Height>,
-    /// Bottom of the hole, where a cycle names it beside the depth.
+    /// Bottom of the hole, if the cycle gives it in addition to the depth.
     pub bottom: Option<Height>,
     /// Start and depth of further webs.
     pub webs: [[Option<Height>; 2]; FURTHER_WEBS],

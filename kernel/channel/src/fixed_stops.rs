@@ -1,4 +1,4 @@
-//! Which moves of a channel end at fixed stops.
+//! The moves of a channel that end at fixed stops.
 //!
 //! *Invariant:* bits of axes are those of the channel; `once` is empty between blocks.
 
@@ -7,9 +7,9 @@
 pub struct FixedStops {
     /// Slides and axes with a known stop, while they move away from home.
     pub modal: bool,
-    /// Axes of the current move.
+    /// Axes of the current move to a stop, bit by axis.
     pub once: u8,
-    /// Axes that the program has named.
+    /// Axes that the program has named, bit by axis.
     pub named: u8,
 }
 

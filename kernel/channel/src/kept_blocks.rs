@@ -1,4 +1,4 @@
-//! Blocks that only lead the flow of the program on, kept by line.
+//! Blocks that only control the flow of the program, kept by line.
 
 use counterpoint_event::event::FileId;
 

@@ -1,4 +1,4 @@
-//! Passes of loops: which loop a program runs through, and whether a pass has changed anything.
+//! Passes of loops: the loop that a program runs, and whether a pass has changed anything.
 
 use crate::shared_target::SharedTarget;
 use counterpoint_event::event::FileId;
@@ -14,7 +14,7 @@ type Key = (FileId, u32, u32);
 /// A loop as seen by its last jump back.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TrackedLoop {
-    /// Which loop it is.
+    /// Identity of the loop.
     pub key: Key,
     /// Running programs, including that of the loop.
     pub depth: usize,

@@ -54,7 +54,7 @@ pub struct Smooth {
     pub leaves: bool,
     /// Its form.
     pub form: ApproachForm,
-    /// On which side its circles lie.
+    /// Side on which its circles lie.
     pub lies: Lies,
     /// Heights change on the line or circle, not beside it.
     pub in_space: bool,

@@ -146,7 +146,7 @@ pub struct Spindles {
     pub waiting: Option<f64>,
     /// The machine knows the chucks of two spindles.
     pub chucks: bool,
-    /// Moves against a stop, as of the sub-spindle against the part.
+    /// Moves against a stop, for example of the sub-spindle against the part.
     pub fixed_stops: FixedStops,
 }
 

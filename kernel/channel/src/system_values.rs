@@ -19,7 +19,7 @@ impl SystemValues {
         Self { kept: system.collect(), clocks: [0.0; 2] }
     }
 
-    /// Value of a variable, `first` where none has been set.
+    /// Value of a variable; `first` if none has been set.
     pub fn kept(&self, number: u32, first: f64) -> f64 {
         self.kept.get(&number).copied().unwrap_or(first)
     }

@@ -70,7 +70,7 @@ impl ChannelContext<'_> {
     }
 }
 
-/// Makes codes active again that were saved: group, code, row.
+/// Restores saved modal codes: group, code, row.
 pub fn put_modes_back(channel: &mut ChannelContext<'_>, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
     channel.state.modal.restore(saved);
     channel.follow_cycle();

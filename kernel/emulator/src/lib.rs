@@ -1,8 +1,8 @@
 //! One channel of the control: reads its program block by block and executes the statements of its codes.
 //!
 //! A block goes through the stages of `pipeline`. The plan of the machine says which hooks run between them and which
-//! action a code has. *Invariant:* arrows between the modules go down only, and nothing here knows the actions, the
-//! macros at work or the check without a run: the kernel reaches them through the tables of its plan.
+//! action a code has. *Invariant:* modules depend only on modules below them, and none of them knows the actions,
+//! the macro host or the check without a run: the kernel reaches these through the tables of its plan.
 
 pub mod channel;
 pub mod pipeline;

@@ -277,7 +277,7 @@ pub struct ReferencePoints {
     pub stop: FixedStop,
 }
 
-/// Where an axis meets a part or a stop, in the machine frame, as programmed. Without both it is not known.
+/// Position at which an axis meets a part or a stop, in the machine frame, as programmed; unknown without both fields.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FixedStop {
     /// The position.

@@ -1,7 +1,7 @@
-//! The macros of a machine at work: a kernel as their host, and the points where they take part in its work.
+//! Runs the macros of a machine: a kernel is their host, and calls them at points of its work.
 //!
-//! *Invariant:* the kernel reaches this crate through [`hooks::POINTS`] of its plan only; a machine without macros never
-//! comes here.
+//! *Invariant:* the kernel reaches this crate only through [`hooks::POINTS`] of its plan; a kernel without macros never
+//! calls this crate.
 
 mod context;
 pub mod hooks;
@@ -16,7 +16,7 @@ use counterpoint_machine::macros::model::Hook;
 
 use context::{KernelHost, MacroHooks};
 
-/// Gives a kernel the macros of its machine; nothing without a program.
+/// Gives a kernel the macros of its machine; does nothing without a program.
 pub fn set_up(kernel: &mut Kernel<'_>, program: Option<&Arc<MacroProgram>>) {
     MacroHooks::new(kernel).set_up_macros(program);
 }
@@ -39,7 +39,7 @@ pub fn model_channel(kernel: &Kernel<'_>, at: i64) -> f64 {
     host::channel_of(kernel, at)
 }
 
-/// Tells a kernel which program, name and channel of the model another kernel has got.
+/// Tells a kernel the program, the name and the channel of the model of another kernel.
 pub fn set_program_of(kernel: &mut Kernel<'_>, at: i64, program: &str, name: &str, channel: f64) {
     host::set_program_of(&mut KernelHost::new(kernel), at, program, name, channel);
 }

@@ -1,4 +1,4 @@
-//! Where the values of identifiers come from, found once per machine.
+//! Sources of the values of identifiers, determined once per machine.
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;

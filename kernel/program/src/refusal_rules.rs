@@ -1,4 +1,4 @@
-//! Rules by which a machine refuses blocks, as masks of registers and rows, found once.
+//! Rules by which a machine refuses blocks, as masks of registers and rows, determined once.
 
 use crate::block::Block;
 use counterpoint_machine::Machine;
@@ -43,13 +43,13 @@ pub struct WordCondition {
 }
 
 impl WordCondition {
-    /// The words that a rule asks for.
+    /// The condition of a rule for words.
     pub fn of(rule: &BlockRefusal) -> Self {
         let one = if rule.with == 0 { ANY_BLOCK } else { rule.with };
         Self { one, all: rule.all | rule.word.map_or(0, |word| word.register.bit()), none: rule.without }
     }
 
-    /// Whether the words of a block, bit by register, fulfil it.
+    /// Whether the words of a block, bit by register, fulfil the condition.
     #[inline(always)]
     pub fn fit(&self, words: u128) -> bool {
         words & self.one != 0 && words & self.all == self.all && words & self.none == 0

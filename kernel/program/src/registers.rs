@@ -1,4 +1,4 @@
-//! Registers of a machine by their use, and rules of its blocks, found once.
+//! Registers of a machine by their use, and rules of its blocks, determined once.
 
 use crate::refusal_rules::Refusals;
 use crate::syntax::Syntax;
@@ -144,7 +144,7 @@ pub struct BlockRules {
 }
 
 impl BlockRules {
-    /// The rules of a machine; its register `G`, and whether its control keeps the lead of a thread as its feed.
+    /// The rules of a machine, given its register `G`, and whether its control keeps the lead of a thread as the feed.
     pub fn new(machine: &Machine, g: Option<RegisterId>, lead_is_feed: bool) -> Self {
         Self {
             exclusive: exclusive(machine, g),

@@ -32,7 +32,7 @@ pub struct ChuckPair {
     pub joined: bool,
     /// The sub-spindle is away from its home position, so that its chuck can meet the part.
     pub away: bool,
-    /// How far the sub-spindle has moved while both chucks were closed on the piece, geometry units.
+    /// Distance that the sub-spindle has moved while both chucks were closed on the piece, geometry units.
     pub relief: f64,
 }
 

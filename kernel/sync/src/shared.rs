@@ -203,7 +203,7 @@ pub struct SharedSpindle {
     pub coupling: Option<SpindleCoupling>,
     /// Largest speed that the spindles coupled with it allow, rev/min.
     pub ceiling: Option<f64>,
-    /// When it reaches the speed of its last command, ns, on machines that know chucks.
+    /// Time at which the spindle reaches the speed of its last command, ns, on machines that know chucks.
     pub settled: i64,
 }
 

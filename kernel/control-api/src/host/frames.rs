@@ -103,7 +103,7 @@ pub trait FrameHost {
     /// Arguments: its letter, the position in program units, and its feed per minute (none is rapid).
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
 
-    /// Whether moves of an axis, given by its letter, end at its fixed stop; false without such an axis.
+    /// Makes moves of an axis, given by its letter, end at its fixed stop, or ends this; false without such an axis.
     fn meet_fixed_stop(&mut self, letter: &str, meets: bool) -> bool;
 
     /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial

@@ -15,7 +15,7 @@ pub(super) const AXES: &[u8] = b"xyzabcuvw";
 /// Letters of GRBL besides G, M and N.
 const GRBL_LETTERS: &[u8] = b"fijklprstxyz";
 
-/// Highest number of a tool of GRBL.
+/// Highest tool number of GRBL.
 const GRBL_TOOLS: f64 = 255.0;
 
 /// A word with its value.
@@ -56,7 +56,7 @@ fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
 }
 
 impl BlockWords {
-    /// Adds a word; GRBL refuses it before it looks at the other words of the block.
+    /// Adds a word; GRBL and grblHAL check it before the other words of the block.
     pub(super) fn add(&mut self, word: BlockWord, kind: Rs274Kind) -> Result<(), Rs274Mistake> {
         if self.whole == Span::default() {
             self.whole = word.span;
@@ -278,7 +278,7 @@ impl BlockWords {
     }
 }
 
-/// Refuses the words that GRBL and grblHAL refuse by themselves.
+/// Refuses words that GRBL or grblHAL refuses without regard to the rest of the block.
 fn check_firmware(word: &BlockWord, kind: Rs274Kind) -> Result<(), Rs274Mistake> {
     let name = char::from(word.letter.to_ascii_uppercase());
     let known = match kind {

@@ -6,7 +6,7 @@
 /// Motion code that represents no active motion.
 pub(super) const NO_MOTION: u16 = 800;
 
-/// The control whose words the interpreter has.
+/// The control whose words the interpreter accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rs274Kind {
     LinuxCnc,
@@ -17,7 +17,7 @@ pub(super) enum Rs274Kind {
 }
 
 impl Rs274Kind {
-    /// Whether mistakes have the error numbers of GRBL, and the rules of GRBL apply that both firmwares have.
+    /// Whether mistakes have the error numbers of GRBL, and the rules that GRBL and grblHAL share apply.
     pub(super) fn is_firmware(self) -> bool {
         self != Self::LinuxCnc
     }

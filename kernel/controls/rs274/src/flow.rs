@@ -154,7 +154,7 @@ impl Rs274 {
         if (place.range.first, place.range.last) == (line, end) { Ok(()) } else { self.go(host, end.saturating_add(1)) }
     }
 
-    /// A percent sign alone in its line: the first line and the end of a text. GRBL and grblHAL ignore such lines.
+    /// Handles a line with only a percent sign, which begins or ends a text. GRBL and grblHAL ignore such lines.
     pub(super) fn percent(&mut self, host: &mut dyn InterpreterHost) -> Outcome<()> {
         if self.kind.is_firmware() {
             return Ok(());
@@ -227,7 +227,7 @@ impl Rs274 {
         self.find(host, name, OCodeIndex::sub)
     }
 
-    /// A subprogram or a program of the running file, of the file of the main program, or of a file of its name.
+    /// Finds a subprogram or program in the running file, in the file of the main program, or in a file with its name.
     fn find(
         &mut self,
         host: &mut dyn ProgramHost,
@@ -255,7 +255,7 @@ impl Rs274 {
         self.find(host, name, OCodeIndex::program)
     }
 
-    /// M98: a program, with the parameters of its caller.
+    /// M98: calls a program, with the parameters of its caller.
     pub(super) fn call_program(&mut self, host: &mut dyn InterpreterHost, number: f64, passes: f64) -> Outcome<()> {
         let name = numbered(&format!("{number:.0}"));
         let (file, range) = self.find_program(host, &name)?;

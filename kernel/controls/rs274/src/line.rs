@@ -20,7 +20,7 @@ pub(super) struct Rs274Line {
     pub(super) comment: Option<Span>,
     /// A line for the sender of the program, such as `$H`.
     pub(super) for_sender: bool,
-    /// A percent sign alone: the begin or the end of the text.
+    /// Only a percent sign: the start or the end of the text.
     pub(super) percent: bool,
 }
 

@@ -21,7 +21,7 @@ const POINTS: usize = 1000;
 /// Largest order of a curve.
 const ORDER: f64 = 16.0;
 
-/// Depth to which a part of a curve is divided.
+/// Maximum depth to which a part of a curve is divided.
 const DEEPEST: u32 = 10;
 
 /// The control points of an open block.
@@ -131,12 +131,12 @@ impl Rs274 {
 }
 
 impl Nurbs {
-    /// No control point has been given.
+    /// Whether no control point has been given.
     pub(super) fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// Knot of a place in the knot vector.
+    /// The knot at a place in the knot vector.
     fn knot(&self, at: usize) -> f64 {
         let spans = self.points.len() + 1 - self.order;
         at.saturating_sub(self.order - 1).min(spans) as f64
@@ -174,7 +174,7 @@ impl Nurbs {
         let spans = self.points.len() + 1 - self.order;
         let mut ends = Vec::new();
         for span in 0..spans {
-            // Halves first, so that a curve that crosses its chord in the middle is divided.
+            // Begin with halves: a curve that crosses its chord in the middle would look straight.
             for half in [0.0, 0.5] {
                 let first = span as f64 + half;
                 self.divide(first, first + 0.5, near, DEEPEST, &mut ends);

@@ -43,7 +43,7 @@ pub(super) struct OCodeIndex {
     subs: FxHashMap<Box<str>, (u32, u32)>,
     /// Last line of the subprogram that begins at a line.
     ends: FxHashMap<u32, u32>,
-    /// First line of the subprogram that is defined inside the one that begins at a line.
+    /// First line of a subprogram that is defined inside another, by the first line of the outer subprogram.
     nested: FxHashMap<u32, u32>,
     /// First line of programs that M98 calls.
     programs: Vec<(Box<str>, u32)>,
@@ -143,7 +143,7 @@ impl OCodeIndex {
         self.blocks.get(*self.at.get(&line)?).filter(|block| block.last > 0)
     }
 
-    /// The definition inside the subprogram that begins at a line.
+    /// First line of the definition inside the subprogram that begins at a line.
     pub(super) fn nested_in(&self, line: u32) -> Option<u32> {
         self.nested.get(&line).copied()
     }

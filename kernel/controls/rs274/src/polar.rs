@@ -1,7 +1,7 @@
 //! Polar words `@` (radius) and `^` (angle) of a motion.
 //!
-//! Facts: LinuxCNC documentation, "Polar Coordinates". In absolute mode a missing radius or angle is that of the current
-//! point; in incremental mode both are added to it. *Invariant:* after the conversion a block has X and Y instead.
+//! Facts: LinuxCNC documentation, "Polar Coordinates". In absolute mode a missing radius or angle is that of the
+//! current point; in incremental mode both are added to it. *Invariant:* a converted block has X and Y instead.
 
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes as ids;
@@ -18,7 +18,7 @@ fn refused(error: u8, text: &str) -> Rs274Mistake {
 }
 
 /// The block with X and Y instead of polar words; `None` if it has none. In incremental mode, each pass of a repeated
-/// cycle adds the words to the point of the pass before, from pass 0 on.
+/// cycle adds the words to the point of the previous pass; the first pass is 0.
 pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords, pass: u32) -> Outcome<Option<BlockWords>> {
     if !words.has_polar() {
         return Ok(None);

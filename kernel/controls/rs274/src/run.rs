@@ -293,7 +293,7 @@ impl Rs274 {
                 }
                 let had_inverse_time = host.is_active(ids::FEED_1T);
                 push_code(host, b'G', f64::from(code) / 10.0, span);
-                // The feed begins at 0; GRBL keeps it unless G93 was active.
+                // LinuxCNC resets the feed to 0; GRBL keeps the feed unless G93 was active.
                 if matches!(code, 940 | 950) && !words.has(b'f') && (had_inverse_time || !self.kind.is_firmware()) {
                     letter(host, b'F', 0.0)?;
                 }

@@ -1,8 +1,8 @@
 //! The threading cycle G76.
 //!
-//! Facts: LinuxCNC documentation, "G76 Threading Cycle": the drive line goes from the current X, along Z; I is the peak
-//! offset (negative for outside threads), J the first depth, K the full depth, P the pitch, Q the compound angle, R the
-//! degression, H the spring passes, E the length of the taper, L the tapered ends. The depth of pass n is
+//! Facts: LinuxCNC documentation, "G76 Threading Cycle": the drive line starts at the current X and runs along Z. I is
+//! the peak offset (negative for outside threads), J the first depth, K the full depth, P the pitch. Q is the compound
+//! angle, R the degression, H the spring passes, E the length of the taper, L the tapered ends. The depth of pass n is
 //! J n^(1/R), at most K. *Invariant:* positions are in the units of the X and Z words.
 
 use counterpoint_fault as diag;
@@ -56,7 +56,7 @@ struct ThreadMoves<'h> {
 }
 
 impl ThreadMoves<'_> {
-    /// Moves in rapid, or with a pitch.
+    /// Moves at rapid, or with a pitch.
     fn go(&mut self, x: f64, z: f64, pitch: Option<f64>) -> Outcome<()> {
         let [before_x, before_z] = self.here;
         if (x, z) == (before_x, before_z) {
@@ -83,7 +83,7 @@ impl ThreadShape {
     /// Depths of the passes below the drive line.
     fn depths(&self) -> Option<Vec<f64>> {
         let mut depths = Vec::new();
-        // Depths are compared with the peak added, as the control rounds them: K may be the exact depth of a pass.
+        // Adding the peak rounds the depths as on the control: K may be the exact depth of a pass.
         let mut depth = self.peak + self.first;
         while depth < self.full + self.peak {
             depths.push(depth);

@@ -10,7 +10,7 @@ use super::item::AssignmentValue;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use counterpoint_control_api::host::InterpreterHost;
 
-/// FXS, FXST or FXSW of an axis; whether it is one.
+/// Executes FXS, FXST or FXSW of an axis; false for another name.
 pub(super) fn assign(
     siemens: &mut Siemens,
     host: &mut dyn InterpreterHost,

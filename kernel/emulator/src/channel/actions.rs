@@ -31,7 +31,7 @@ pub enum CompensationChange {
     Number,
 }
 
-/// Gives a straight feed move a new end: its time in seconds, and the move.
+/// Function that gives a straight feed move a new end; it returns the time in seconds, and the move.
 pub type ShortenMove = fn(&mut Kernel<'_>, &Motion, Position) -> Result<(f64, Motion), Halt>;
 
 /// Straight moves that no code makes.
@@ -43,7 +43,7 @@ pub struct StraightMoves {
     pub along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
     /// Repeats a straight move that a macro has changed: at rapid or at feed, to a new end.
     pub change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
-    /// A straight feed move with a new end: its time in seconds, and the move.
+    /// Gives a straight feed move a new end; returns its time in seconds, and the move.
     pub shorten: ShortenMove,
 }
 
@@ -81,7 +81,7 @@ pub struct ActionTable {
 }
 
 impl ActionTable {
-    /// Whether the blocks of a contour are read by these actions.
+    /// Whether these actions read the blocks of a contour.
     pub fn reads_contour(&self) -> bool {
         self.reading.is_none()
     }
@@ -119,7 +119,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Makes a hole, by way of its macro if there is one.
+    /// Makes a hole, through the macro of cycles if there is one.
     pub fn cycle_event(&mut self, hole: &CycleHole) -> Acted {
         match self.plan.hooks {
             Some(hooks) => (hooks.cycle)(self, hole),

@@ -1,9 +1,9 @@
 //! The last value of each address: the only source for system variables and stepping.
 //!
-//! The words themselves are in [`RememberedWords`](counterpoint_channel::remembered::RememberedWords); this module converts them to the
-//! units of the program and adds the values of the running program. Program numbers come from the words that define the
-//! programs, and from calls by number, never from a file name. *Invariant:* reading changes nothing. Facts: reference
-//! fanuc-variables-and-alarms.md 1.5.
+//! [`RememberedWords`](counterpoint_channel::remembered::RememberedWords) holds the words; this module converts them to
+//! the units of the program and adds the values of the running program. Program numbers come from the words that define
+//! the programs, and from calls by number, never from a file name. *Invariant:* reading changes nothing. Facts:
+//! reference fanuc-variables-and-alarms.md 1.5.
 
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::BySlot;

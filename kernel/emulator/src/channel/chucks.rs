@@ -2,9 +2,9 @@
 //!
 //! Facts: reference shop-machines.md 12 (part transfer, word by word). Decisions: there is no model of the part, so a
 //! sub-chuck that closes away from home closes on the part. A feed move that ends at the turning axis cuts off a part
-//! that both chucks hold. The sub-spindle may relieve such a part by up to 1 mm in all. A
-//! spindle that still runs up or down has not reached the speed of its command. *Invariant:* a refused code or move
-//! changes neither a position nor a chuck.
+//! that both chucks hold. The sub-spindle may relieve such a part by up to 1 mm in total. A spindle that still
+//! runs up or down has not reached the speed of its command. *Invariant:* a refused code or move changes neither a
+//! position nor a chuck.
 
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
@@ -181,7 +181,7 @@ fn slide(kernel: &Kernel<'_>, motion: &Motion) -> Option<(AxisSlot, [f64; 2], f6
     (motion.from.at(slot) != motion.to.at(slot)).then_some((slot, places, machine.axes[slide].home))
 }
 
-/// Executes a motion that the chucks of the machine allow.
+/// Executes a motion if the chucks of the machine allow it.
 pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> Acted {
     if !kernel.channel.state.others.spindles.chucks {
         return kernel.begin_travel(seconds, motion);

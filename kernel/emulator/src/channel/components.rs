@@ -65,7 +65,7 @@ pub struct Resting {
 pub struct Components<'a> {
     /// The components of the machine.
     pub all: &'a [PreparedComponent<'a>],
-    /// The active one, and those that have worked here.
+    /// The active component, and the components that have worked here.
     pub turns: ComponentSelection,
 }
 

@@ -241,7 +241,7 @@ impl Kernel<'_> {
         if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
     }
 
-    /// Reports a value out of the range of its row.
+    /// Reports a value outside the range of its row.
     pub fn out_of_range(&mut self, row: DataRowId, value: f64) {
         let row = &self.channel.env.machine.data[row];
         let name = match row.register {

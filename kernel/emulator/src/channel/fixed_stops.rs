@@ -1,8 +1,8 @@
 //! Moves that end where an axis meets a part or a stop.
 //!
 //! Facts: reference shop-machines.md 12 (part transfer, press). Decisions: there is no model of the part, so the machine
-//! or a variable gives its place. A mode concerns slides of spindles, and axes with a known stop, that move away from
-//! home; a code or a name concerns its axes in both directions. *Invariant:* no move passes a stop that it looks for.
+//! or a variable gives its place. A mode applies to slides of spindles and axes with a known stop that move away from
+//! home. A code or a name applies to its axes in both directions. *Invariant:* no move passes a stop that it looks for.
 
 use counterpoint_event::event::{Motion, MotionKind};
 use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
@@ -34,7 +34,7 @@ impl Search {
     }
 }
 
-/// Executes a move while moves end at stops.
+/// Executes a move that may end at a stop.
 pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> Acted {
     let searches = searches(kernel, motion)?;
     if searches.is_empty() {
@@ -93,7 +93,7 @@ fn searches(kernel: &mut Kernel<'_>, motion: &Motion) -> Result<Vec<Search>, Hal
     known.collect()
 }
 
-/// Where an axis meets its stop.
+/// Position at which an axis meets its stop.
 fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<f64, Halt> {
     if let Some(number) = stop.variable
         && let Some(at) = variables::value_of_variable(kernel, number)?
@@ -103,7 +103,7 @@ fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<
     if let Some(at) = stop.at {
         return Ok(at);
     }
-    // The name by which machines and settings know the axis.
+    // The name of the axis in machines and settings.
     let axis = &kernel.channel.env.machine.axes[kernel.channel.state.place.layout.axes[slot].machine].name;
     let remedy = match stop.variable {
         Some(number) => format!("set variable {number} to its machine position"),

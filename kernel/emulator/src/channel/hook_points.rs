@@ -50,15 +50,15 @@ pub struct HookPoints {
     pub program: ProgramHooks,
     /// Executes a motion and its duration in seconds.
     pub motion: fn(&mut Kernel<'_>, f64, &Motion) -> Acted,
-    /// Selects or loads a tool, or changes its offset, by way of the macro of tools; the duration is in ns.
+    /// Selects or loads a tool, or changes its offset, through the macro of tools; the duration is in ns.
     pub tool: fn(&mut Kernel<'_>, ToolAction, u32, u32, i64) -> Acted,
-    /// Selects (1) or loads (2) a head, by way of the macro of tools.
+    /// Selects (1) or loads (2) a head, through the macro of tools.
     pub head: fn(&mut Kernel<'_>, f64, u32) -> Acted,
-    /// A tool has been loaded in place of another one.
+    /// A tool has been loaded in place of another tool.
     pub loaded: fn(&mut Kernel<'_>, u32, u32),
-    /// Makes a hole, by way of the macro of cycles.
+    /// Makes a hole, through the macro of cycles.
     pub cycle: fn(&mut Kernel<'_>, &CycleHole) -> Acted,
-    /// Asks the identification macro, by its number, about a text that is unknown and the value assigned to it.
+    /// Asks the identification macro, by its number, about an unknown text and the value assigned to it.
     pub identify: fn(&mut Kernel<'_>, u16, &str, MacroValue) -> Result<IdentificationAnswer, Halt>,
     /// Logs a diagnostic (number and severity) with the changes of macros. `true`: it stops the channel.
     pub diagnostic: fn(&mut Kernel<'_>, (u32, u8), String, bool),
@@ -119,9 +119,9 @@ pub struct ProgramHooks {
     pub next_pass: fn(&mut Kernel<'_>) -> Acted,
     /// Subprogram Shutdown after the last pass.
     pub returned: fn(&mut Kernel<'_>, &CallRecord, (FileId, ProgramRange)) -> Acted,
-    /// Program Startup of a program that begins after another one.
+    /// Program Startup of a program that begins after another program.
     pub start_again: fn(&mut Kernel<'_>) -> Acted,
-    /// Program Shutdown, and the programs that it starts; returns how the last one ended.
+    /// Program Shutdown, and the programs that it starts; returns how the last program ended.
     pub end: fn(&mut Kernel<'_>, Halt) -> Halt,
     /// Closes the files of macros at the end of the kernel.
     pub close: fn(&mut Kernel<'_>, Halt),

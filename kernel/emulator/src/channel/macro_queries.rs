@@ -1,4 +1,4 @@
-//! Questions of the pipeline and of actions to the memory of macros, and of macros to the block in process.
+//! Queries of the pipeline and of actions about the memory of macros, and of macros about the current block.
 //!
 //! *Invariant:* nothing here runs a macro. Facts: reference control-emulator.md 4, 5.3.
 

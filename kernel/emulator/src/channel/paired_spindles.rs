@@ -234,7 +234,7 @@ pub(super) fn phase_of(kernel: &mut Kernel<'_>, id: SpindleId) -> Result<Option<
     kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| shared.spindles.get(id.index())?.coupling?.phase)
 }
 
-/// When the last of these spindles has run up or down, ns, if that is later than now.
+/// Time at which the last of these spindles reaches its speed, ns, if that is later than now.
 pub(super) fn settled(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Result<Option<i64>, Halt> {
     let settled = kernel.access(SharedTarget::Spindle, AccessMode::Read, |shared| {
         let of = spindles.map(|id| shared.spindle(id.index()).map_or(0, |spindle| spindle.settled));
@@ -243,7 +243,7 @@ pub(super) fn settled(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Resu
     Ok(Some(settled).filter(|settled| *settled > kernel.channel.now()))
 }
 
-/// Records when a spindle has run up or down; only the rules of chucks use it.
+/// Records the time at which a spindle reaches its speed; only the rules of chucks use it.
 pub(super) fn note_run_up(kernel: &mut Kernel<'_>, id: SpindleId, ns: i64) -> Acted {
     if ns == 0 || !kernel.channel.state.others.spindles.chucks {
         return Ok(());

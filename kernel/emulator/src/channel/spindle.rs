@@ -18,7 +18,7 @@ use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::SpindleCommand;
 
-/// Whether the spindle turns in one direction and then in the other.
+/// Whether the spindle reverses its direction.
 fn reverses(before: SpindleDirection, after: SpindleDirection) -> bool {
     use SpindleDirection::{Clockwise, CounterClockwise};
     matches!((before, after), (Clockwise, CounterClockwise) | (CounterClockwise, Clockwise))
@@ -112,7 +112,7 @@ impl Kernel<'_> {
         }
         let after = self.turning_speed()?;
         let followers = paired_spindles::followers(self, id)?;
-        // A spindle that turns the other way stops first.
+        // A spindle that reverses stops first.
         let change = if reverses(turned, now.direction) { after + before } else { after - before };
         let ramps = followers.iter().map(|(id, of)| self.channel.env.machine.spindles[*id].ramp(change * of.ratio));
         let mut seconds = ramps.fold(spindle.ramp(change), f64::max);

@@ -1,4 +1,4 @@
-//! Events of tools and heads: their macro sees them first, if there is one.
+//! Events of tools and heads: the macro of tools, if there is one, receives them first.
 //!
 //! *Invariant:* an event takes place once, with or without a macro. Facts: reference control-emulator.md 4.3.
 
@@ -8,7 +8,7 @@ use counterpoint_fault::Acted;
 use super::Kernel;
 
 impl Kernel<'_> {
-    /// Selects or loads a tool, or changes its offset, by way of its macro if there is one.
+    /// Selects or loads a tool, or changes its offset, through the macro of tools if there is one.
     pub fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         match self.plan.hooks {
             Some(hooks) => (hooks.tool)(self, action, tool, offset, ns),
@@ -16,7 +16,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Selects (1) or loads (2) a head, by way of the macro of tools if there is one.
+    /// Selects (1) or loads (2) a head, through the macro of tools if there is one.
     pub fn head_event(&mut self, kind: f64, id: u32) -> Acted {
         match self.plan.hooks {
             Some(hooks) => (hooks.head)(self, kind, id),

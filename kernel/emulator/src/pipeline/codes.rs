@@ -248,7 +248,7 @@ impl Kernel<'_> {
             || self.has_calling_data(group)
     }
 
-    /// Whether a code of a group is to act on this block.
+    /// Whether a code of a group has yet to act on this block.
     pub fn group_queued(&self, group: u16) -> bool {
         self.channel.block.pending.iter().any(|f| self.channel.env.machine.codes[f.row].group == group)
     }

@@ -108,7 +108,7 @@ pub(super) fn relate(relation: Relation, a: f64, b: f64) -> bool {
     wanted & (u8::from(a < b) | u8::from(a == b) << 1 | u8::from(a > b) << 2) != 0
 }
 
-/// A number to the power of another one.
+/// A number to the power of another number.
 #[inline(never)]
 pub(super) fn power(a: f64, b: f64) -> f64 {
     if b == 2.0 { a * a } else { libm::pow(a, b) }

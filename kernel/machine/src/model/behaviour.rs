@@ -227,7 +227,7 @@ pub struct Time {
     pub tool_step: f64,
     /// Stations of the turret, 0 = no stepping.
     pub stations: u32,
-    /// The actions that a tool change runs in parallel with.
+    /// Actions that run in parallel with a tool change.
     pub tool_overlap: crate::rows::TimeOverlap,
     /// Rapid moves: each axis at its own rate (slowest decides), or along a straight line.
     pub rapid: RapidPath,

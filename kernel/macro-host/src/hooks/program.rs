@@ -23,7 +23,7 @@ impl MacroHooks<'_, '_> {
         self.kernel.went_on(done)
     }
 
-    /// Program Shutdown, and the programs that it starts; returns how the last one ended.
+    /// Program Shutdown, and the programs that it starts; returns how the last program ended.
     pub(crate) fn end_program(&mut self, halt: Halt) -> Halt {
         let mut halt = self.end_macros(halt);
         while let Some(next) = self.restarted(halt) {
