@@ -91,6 +91,13 @@ impl<'c> MachineEvidence<'c> {
         self.traits.iter().all(|(_, shown)| !shown.is_empty())
     }
 
+    /// Whether it differs from another machine by further properties only, one of which nothing shows.
+    fn only_adds_to(&self, plainer: &Self) -> bool {
+        let has = |of: &Self, name: &str| of.traits.iter().any(|(own, _)| *own == name);
+        plainer.traits.iter().all(|(name, _)| has(self, name))
+            && self.traits.iter().any(|(name, shown)| shown.is_empty() && !has(plainer, name))
+    }
+
     /// Whether it has the channels that a single program commands.
     fn has_partners(&self, partners: usize) -> bool {
         if partners > 1 { self.candidate.channels >= partners } else { self.takes(1, false) }
@@ -175,6 +182,11 @@ impl<'c> Judge<'c> {
         let mut fit: Vec<_> = [alone, together.clone()].concat();
         fit.sort_by_key(|machine| &machine.candidate.name);
         fit.dedup_by_key(|machine| &machine.candidate.name);
+        if several {
+            // A machine with a property that nothing shows gives way to one without this property.
+            let plain = fit.clone();
+            fit.retain(|machine| !plain.iter().any(|plainer| machine.only_adds_to(plainer)));
+        }
         if fit.is_empty() {
             return Err(self.for_control(&no_machine(channels.max(partners))));
         }

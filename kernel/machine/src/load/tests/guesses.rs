@@ -327,6 +327,7 @@ fn lathes_with_two_spindles_show_it_by_words_of_their_own() {
         ("O1\nT0101\nM427\nM101\nM30\n", "O2\nT0202\nM428\nM101\nM30\n", "fanuc-twin-spindle"),
         ("O1\nG361 B90. D0.\nM101\nM30\n", "O2\nT0202\nG330\nM101\nM30\n", "fanuc-twin-head"),
         ("O1\nT0101\nM101\nM30\n", "O2\nT0202\nM101\nM30\n", "fanuc-2path-lathe"),
+        ("O1\nG4 X1.\nM101\nM30\n", "O2\nG4 X4.\nM101\nM30\n", "fanuc-2path-lathe"),
     ] {
         let both = of_files(&[("a.nc", upper), ("b.nc", lower)], None);
         assert_eq!(both.as_ref().map(|guess| guess.machine.as_str()), Ok(expected), "{both:?}");

@@ -92,6 +92,7 @@ fn families_say_that_they_are_families_and_nothing_else() {
         "heidenhain-milling",
         "isg-common",
         "rs274-common",
+        "linuxcnc-common",
         "okuma-common",
         "okuma-milling",
         "okuma-turning",
