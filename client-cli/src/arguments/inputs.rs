@@ -104,7 +104,7 @@ pub(crate) struct On {
     /// Set a datum of the machine for this run; can be repeated: `waits=900-999`, the M codes that are waiting codes;
     /// `numbers=increments`, coordinates without a decimal point count least increments; `units=inch`, the unit in
     /// which programs begin (inch or mm); `system=B`, the G-code system of a lathe (A, B or C); `shared=500-549`,
-    /// common variables that all channels share; `stop.B=-408`, where an axis meets a part or a stop;
+    /// common variables that all channels share; `stop.B=-408`, the position at which axis B meets a part or a stop;
     /// `warn.2900680=off`, a warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<MachineSetting>,

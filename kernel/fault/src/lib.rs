@@ -235,9 +235,9 @@ diagnostics! {
     PART_NOT_HELD 2900658 "part-not-held" 12 true "no chuck holds the part";
     CHUCK_NOT_OPEN 2900659 "chuck-not-open" 12 true "sub-spindle fed against the part with its chuck closed";
     SLIDE_HELD 2900673 "slide-with-held-part" 12 true "sub-spindle moved while both chucks hold the part";
-    FIXED_STOP_UNKNOWN 2900674 "fixed-stop-unknown" 12 true "place of a fixed stop is not known";
-    FIXED_STOP_MISSED 2900675 "fixed-stop-missed" 12 true "move to a fixed stop that meets no stop";
-    FIXED_STOP_KIND 2900676 "fixed-stop-not-at-feed" 12 true "move past a fixed stop not at straight feed";
+    FIXED_STOP_UNKNOWN 2900674 "fixed-stop-unknown" 12 true "position of a fixed stop is not known";
+    FIXED_STOP_MISSED 2900675 "fixed-stop-missed" 12 true "move to a fixed stop did not meet the stop";
+    FIXED_STOP_KIND 2900676 "fixed-stop-not-at-feed" 12 true "move past a fixed stop is not a straight feed move";
     PART_DATA_UNIT 2900653 "part-data-unit" 4 false "data of the part may be in the other unit";
     REPEATS_NOT_WHOLE 2900651 "repeats-not-whole" 4 false "number of repeats is not whole";
     MODAL_CALL_OPEN 2900650 "modal-call-open" 8 true "modal call not cancelled";

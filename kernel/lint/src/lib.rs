@@ -71,7 +71,7 @@ pub fn walk(kernel: &mut Kernel<'_>) -> Halt {
     let machine = kernel.channel.env.machine;
     let first = machine.channels.first().map(|channel| channel.number);
     if machine.macros.is_some() && first == Some(kernel.channel.at.channel) {
-        let text = "macros of the machine are not executed; what they do for other channels is not judged";
+        let text = "macros of the machine are not executed; their effects on other channels are not checked";
         kernel.diagnose(&diag::LINT_MACROS, text);
     }
     let (stood, looked) = (FxHashSet::default(), FxHashMap::default());

@@ -130,7 +130,7 @@ impl BlockWords {
         }
         if self.has_polar() && (takes || self.has(b'x') || self.has(b'y')) {
             let other = if takes { "a code that is not a motion" } else { "X or Y" };
-            return Err(refused(20, format!("polar words are not possible beside {other}: write two blocks")));
+            return Err(refused(20, format!("polar words cannot be in one block with {other}: write two blocks")));
         }
         let implied = || (self.has_axes() || self.has_offsets() && matches!(modes.motion, 20 | 30)) && !takes;
         self.motion = match explicit {

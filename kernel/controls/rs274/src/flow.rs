@@ -145,7 +145,8 @@ impl Rs274 {
     fn pass_sub(&mut self, host: &mut dyn InterpreterHost, line: u32) -> Outcome<()> {
         let place = host.place();
         if let Some(inner) = self.places(host, place.file).nested_in(line) {
-            let text = format!("the definition of a subprogram in line {inner} is inside this one: move it out");
+            let text =
+                format!("line {inner} defines a subprogram inside this subprogram: move the inner definition out");
             return Err(Rs274Mistake::new(&diag::MACRO_LOOP, 1, text).into());
         }
         let Some(end) = self.places(host, place.file).end_of(line) else {

@@ -27,7 +27,7 @@ pub(super) fn without_polar(host: &dyn InterpreterHost, words: &BlockWords, pass
         return Err(refused(20, "polar words need the plane of G17: write G17, or X, Y and Z").into());
     }
     if words.has_g(530) {
-        return Err(refused(20, "polar words are not possible beside G53: write X and Y").into());
+        return Err(refused(20, "polar words cannot be in one block with G53: write X and Y").into());
     }
     let (places, relative) = (host.axes(), host.relative());
     let here = [0, 1].map(|at| axis(&places, at).map_or(0.0, |place| place.work));

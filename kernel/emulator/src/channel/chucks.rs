@@ -109,7 +109,7 @@ fn close(kernel: &mut Kernel<'_>, chucks: ChuckPair, sub: bool) -> Acted {
         }
         if let Some(at) = settled(kernel, [leader, follower])? {
             let reason = format!(
-                "the spindles reach their common speed only at {:.3} s: let the channel wait for that before the chuck closes",
+                "the spindles reach their common speed only at {:.3} s: make the channel wait until then before it closes the chuck",
                 at as f64 / 1e9
             );
             return Err(refuse(kernel, &diag::CHUCK_SPEED, &reason));

@@ -109,7 +109,7 @@ fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<
         Some(number) => format!("set variable {number} to its machine position"),
         None => format!("run with --set stop.{axis}=POSITION, or give the machine `stops.at`"),
     };
-    let text = format!("the place where axis {axis} meets its stop is not known: {remedy}");
+    let text = format!("the position at which axis {axis} meets its stop is not known: {remedy}");
     Err(refuse(kernel, &diag::FIXED_STOP_UNKNOWN, &text))
 }
 
