@@ -98,7 +98,7 @@ pub(crate) fn machine(machine: &str, settings: &[MachineSetting]) -> Result<(Str
     if own {
         return Ok(extended(name, files, settings, (&components, &lathes), &begins));
     }
-    let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
+    let (changed, inside) = (with_end(&name, CHANGED), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
         Some(rest) => format!("{changed}/{rest}"),
         None => path,
@@ -132,6 +132,15 @@ fn has_systems(files: &PackedFiles, chain: &[String]) -> bool {
     kind.is_some_and(|kind| kind.ends_with("lathe")) && codes.into_iter().any(|row| row.get("systems").is_some())
 }
 
+/// Characters that the name of a machine may have.
+const LONGEST_NAME: usize = 32;
+
+/// The name of a machine with a further end; a name that becomes too long loses characters before the end.
+fn with_end(name: &str, end: &str) -> String {
+    let kept = LONGEST_NAME.saturating_sub(end.len());
+    name.chars().take(kept).chain(end.chars()).collect()
+}
+
 /// The machine, or one that extends it by the settings: those of its control, where the last one of a key counts, and
 /// the variables that its channels share. The control of a composite is that of its components, which get definitions
 /// inside the folder of the machine. The lathes among them have systems of G codes.
@@ -160,9 +169,9 @@ fn extended(
     if control.is_empty() && shares.is_empty() && stops.is_empty() && begins.unit.is_none() {
         return (name, files);
     }
-    let mut changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
+    let mut changed = control.iter().fold(name.clone(), |name, (_, end)| with_end(&name, end));
     if let Some(unit) = begins.unit {
-        changed = format!("{changed}-{}", unit.name());
+        changed = with_end(&changed, &format!("-{}", unit.name()));
     }
     let mut text = String::new();
     let lines =
@@ -174,11 +183,11 @@ fn extended(
         text.push_str(&of_control(&system));
     }
     if !shares.is_empty() {
-        changed.push_str(SHARES);
+        changed = with_end(&changed, SHARES);
         text.push_str(&sharing(&files, &name, &shares));
     }
     if !stops.is_empty() {
-        changed.push_str(STOPS);
+        changed = with_end(&changed, STOPS);
         text.push_str("[stops.at]\n");
         text.extend(stops.iter().map(|(axis, at)| format!("{axis} = {at:?}\n")));
     }
@@ -245,7 +254,7 @@ pub(crate) fn with_tools(
     let blobs = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
     let texts: Vec<String> = blobs.map(|blob| String::from_utf8_lossy(blob.content()).into_owned()).collect();
     let mut tools = ToolDefinitions::read(path, &ToolImportContext::of(texts.iter().map(String::as_str)))?;
-    let name = format!("{machine}{TOOLS}");
+    let name = with_end(machine, TOOLS);
     files.0.insert(definition(&name), Blob::new(tools.definition(&name, machine).into_bytes()));
     Ok((name, files, tools))
 }

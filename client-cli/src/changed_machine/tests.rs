@@ -108,3 +108,11 @@ fn a_machine_comes_with_its_families() {
     let error = machine("fanuc-mill", &[MachineSetting::Waits(900..=999)]).unwrap_err().to_string();
     assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
 }
+
+#[test]
+fn a_name_with_a_further_end_is_not_too_long() {
+    assert_eq!(with_end("fanuc-mill", "-set"), "fanuc-mill-set");
+    let stops = with_end("fanuc-lathe-subspindle", "-set-stops");
+    assert_eq!((stops.as_str(), stops.len()), ("fanuc-lathe-subspindle-set-stops", LONGEST_NAME));
+    assert_eq!(with_end(&stops, TOOLS), "fanuc-lathe-subspindle-set-tools");
+}

@@ -38,6 +38,8 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
         return Ok(());
     }
     let mut end = target;
+    // The approach looks for the stop, too: it is refused where it would pass the stop.
+    act.channel_mut().state.others.spindles.fixed_stops.once = coded;
     if let Some(axis) = only_axis(act, coded) {
         let from = act.channel().state.place.position.at(axis);
         let way = target.at(axis) - from;
@@ -48,7 +50,6 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
         }
         *end.at_mut(axis) += if way == 0.0 { 0.0 } else { beyond.copysign(way) };
     }
-    act.channel_mut().state.others.spindles.fixed_stops.once = coded;
     let from = act.channel().state.place.position;
     let moved = if end == from { stand(act, coded, from) } else { act.feed_to(coded, end, feed, unit) };
     act.channel_mut().state.others.spindles.fixed_stops.once = 0;

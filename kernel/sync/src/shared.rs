@@ -182,6 +182,8 @@ pub struct SpindleCoupling {
     pub ratio: f64,
     /// Angle between the spindles, degrees, if they turn in phase.
     pub phase: Option<f64>,
+    /// The follower turned in the other direction when the coupling began, and keeps it.
+    pub mirrored: bool,
 }
 
 /// A spindle with its last writer.

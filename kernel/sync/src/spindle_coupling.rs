@@ -16,8 +16,8 @@ impl SpindleCoupling {
     pub fn command(&self, leader: &SpindleCommand) -> SpindleCommand {
         let times = self.ratio.abs();
         let direction = match leader.direction {
-            SpindleDirection::Clockwise if self.ratio < 0.0 => SpindleDirection::CounterClockwise,
-            SpindleDirection::CounterClockwise if self.ratio < 0.0 => SpindleDirection::Clockwise,
+            SpindleDirection::Clockwise if self.turns_against() => SpindleDirection::CounterClockwise,
+            SpindleDirection::CounterClockwise if self.turns_against() => SpindleDirection::Clockwise,
             direction => direction,
         };
         SpindleCommand {
@@ -28,6 +28,11 @@ impl SpindleCoupling {
             least: leader.least * times,
             ..*leader
         }
+    }
+
+    /// Whether the follower has the other direction than its leader.
+    fn turns_against(&self) -> bool {
+        (self.ratio < 0.0) != self.mirrored
     }
 
     fn follower(&self, leader: &SharedSpindle, own: &SharedSpindle) -> SharedSpindle {
@@ -96,11 +101,23 @@ impl SharedState {
             return Err(CouplingRefusal::FollowerLeads(other));
         }
         let phase = coupling.phase.or_else(|| before.and_then(|before| before.phase));
+        // Two chucks that face each other have opposite words for one direction: a spindle that turns keeps its own.
+        let mirrored = before.map_or_else(|| self.is_mirrored(follower, &coupling), |before| before.mirrored);
         if let Some(spindle) = self.spindles.get_mut(follower) {
-            spindle.coupling = Some(SpindleCoupling { phase, ..coupling });
+            spindle.coupling = Some(SpindleCoupling { phase, mirrored, ..coupling });
         }
         self.limit_together(coupling.leader, most);
         Ok(before)
+    }
+
+    /// Whether both spindles turn, the follower in the other direction than the coupling says.
+    fn is_mirrored(&self, follower: usize, coupling: &SpindleCoupling) -> bool {
+        let [own, leader] = [follower, coupling.leader].map(|at| self.spindles.get(at).map(|spindle| spindle.command));
+        let turns = [SpindleDirection::Clockwise, SpindleDirection::CounterClockwise];
+        own.zip(leader).is_some_and(|(own, leader)| {
+            let wanted = coupling.command(&leader).direction;
+            turns.contains(&own.direction) && turns.contains(&wanted) && own.direction != wanted
+        })
     }
 
     /// Ends a coupling; the follower keeps turning at `rpm`. Returns the coupling that ended.

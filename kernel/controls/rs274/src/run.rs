@@ -180,8 +180,8 @@ impl Rs274 {
     fn needs_position(&self, host: &dyn InterpreterHost, words: &BlockWords) -> bool {
         let absolute = words.has_g(901) || self.modes.absolute_centers && !words.has_g(911);
         match words.motion {
-            Some(20 | 30) => absolute && !words.has(b'r'),
             _ if words.has_polar() => true,
+            Some(20 | 30) => absolute && !words.has(b'r'),
             Some(50..=53 | 331 | 760) => true,
             Some(motion) if is_cycle(motion) => true,
             Some(0 | 10) => words.has_g(530) && (words.has_g(910) || host.relative() && !words.has_g(900)),

@@ -67,3 +67,13 @@ impl Kernel<'_> {
         }
     }
 }
+
+/// Waits until the turret has indexed.
+pub(super) fn wait_for_index(kernel: &mut Kernel<'_>) {
+    for slot in 0..SLOTS.len() {
+        let running = kernel.channel.state.others.running.get(slot).copied().flatten();
+        if running.is_some_and(|running| running.letter == 'T') {
+            kernel.wait_for_function(slot);
+        }
+    }
+}

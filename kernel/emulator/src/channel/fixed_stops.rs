@@ -47,10 +47,10 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
         }
         return missed(kernel, motion, &searches);
     };
-    if motion.kind != MotionKind::Linear {
+    if motion.kind != MotionKind::Linear || kernel.channel.state.cycle.running {
         let text = format!(
-            "axis {} would pass its stop at {}: only a straight feed move ends at a stop",
-            kernel.channel.axis_name(search.slot),
+            "axis {} would pass its stop at {}: only a straight feed move outside a cycle ends at a stop",
+            name_of(kernel, search.slot),
             wildcard_text(search.stop)
         );
         return Err(refuse(kernel, &diag::FIXED_STOP_KIND, &text));
@@ -103,14 +103,18 @@ fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<
     if let Some(at) = stop.at {
         return Ok(at);
     }
-    // The name of the axis in machines and settings.
-    let axis = &kernel.channel.env.machine.axes[kernel.channel.state.place.layout.axes[slot].machine].name;
+    let axis = name_of(kernel, slot);
     let remedy = match stop.variable {
         Some(number) => format!("set variable {number} to its machine position"),
         None => format!("run with --set stop.{axis}=POSITION, or give the machine `stops.at`"),
     };
     let text = format!("the position at which axis {axis} meets its stop is not known: {remedy}");
     Err(refuse(kernel, &diag::FIXED_STOP_UNKNOWN, &text))
+}
+
+/// The name of an axis in machines and settings.
+fn name_of<'m>(kernel: &Kernel<'m>, slot: AxisSlot) -> &'m str {
+    &kernel.channel.env.machine.axes[kernel.channel.state.place.layout.axes[slot].machine].name
 }
 
 fn refuse(kernel: &mut Kernel<'_>, facts: &DiagnosticFacts, reason: &str) -> Halt {
@@ -124,7 +128,7 @@ fn missed(kernel: &mut Kernel<'_>, motion: &Motion, searches: &[Search]) -> Acte
     let text = format!(
         "axis {} has moved from {} to {} and has not met its stop at {}, in '{}': check the position of the part and the end \
          of the move",
-        kernel.channel.axis_name(search.slot),
+        name_of(kernel, search.slot),
         wildcard_text(search.from),
         wildcard_text(search.to),
         wildcard_text(search.stop),

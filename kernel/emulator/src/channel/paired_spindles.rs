@@ -118,7 +118,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     let machine = kernel.channel.env.machine;
     let SpindlePair { leader, follower, ratio } = pair;
     let before = speeds(kernel, pair)?;
-    let coupling = SpindleCoupling { leader: leader.index(), ratio, phase };
+    let coupling = SpindleCoupling { leader: leader.index(), ratio, phase, mirrored: false };
     let (at, most) = ((kernel.channel.now(), kernel.channel.at.channel), largest_speeds(kernel));
     let done = kernel.access(SharedTarget::Spindle, AccessMode::Write, |shared| {
         let was = shared.couple(follower.index(), coupling, &most)?;

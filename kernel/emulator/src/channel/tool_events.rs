@@ -4,8 +4,9 @@
 
 use counterpoint_event::event::{Kind, ToolAction, ToolChange};
 use counterpoint_fault::Acted;
+use counterpoint_machine::rows::TimeOverlap;
 
-use super::Kernel;
+use super::{Kernel, code_time};
 
 impl Kernel<'_> {
     /// Selects or loads a tool, or changes its offset, through the macro of tools if there is one.
@@ -42,6 +43,10 @@ impl Kernel<'_> {
         }
         let event = Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset });
         let overlap = self.channel.env.machine.time.tool_overlap;
+        if ns > 0 && overlap != TimeOverlap::None {
+            // A turret indexes once at a time.
+            code_time::wait_for_index(self);
+        }
         if ns > 0 && self.runs_beside(overlap, ('T', f64::from(tool)), ns) {
             self.channel.emit(0, event);
         } else {

@@ -237,10 +237,13 @@ fn a_program_that_commands_another_channel_is_for_a_machine_that_has_it() {
 fn programs_of_linuxcnc_and_grbl_show_it() {
     for text in [
         "o100 sub\nG1 X10 Y5\no100 endsub\n",
+        "o100 sub\nG0 X1\no100 endsub\no100 call\nM2\n",
         "G21 G90\n#<depth>=5\nG0 Z[#<depth>]\nG1 X1 Y2 F100\n",
         "G21 G90 G64 P0.01\nG1 X1 Y2 F100\n",
     ] {
-        assert_eq!(machine("p.ngc", text).as_deref(), Ok("linuxcnc-mill"), "{text}");
+        for name in ["p.ngc", "p.gcode"] {
+            assert_eq!(machine(name, text).as_deref(), Ok("linuxcnc-mill"), "{name} {text}");
+        }
     }
     assert_eq!(machine("p.nc", "$H\nG21 G90\nG1 X1 Y2 F100\n").as_deref(), Ok("grbl-router"));
     for text in ["G21 G90\nG1 X1 Y2 F100\n", "G21 ; mm\nM3 S1000\nG1 X1 Y2 F100\n"] {
