@@ -43,7 +43,6 @@ mod polar_words;
 mod pole;
 mod rates;
 mod retract;
-mod round_centre;
 mod skip;
 mod spindle;
 mod spindles;

@@ -13,7 +13,6 @@ use counterpoint_motion::arc as geometry;
 use counterpoint_program::block::RetrievedValue;
 
 use super::circular_move::CircularMove;
-use super::round_centre::way_round;
 use super::time::TimedPath;
 use crate::context::ActionContext;
 use crate::entry::ActionEntry;
@@ -21,6 +20,7 @@ use counterpoint_channel::alarm_effect::STRAIGHT;
 use counterpoint_channel::channel_axis::ChannelAxis;
 use counterpoint_channel::frame_transforms::PolarInterpolation;
 use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::round_centre::way_round;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

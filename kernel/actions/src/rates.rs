@@ -71,7 +71,7 @@ fn of_circle(made: &PlaneArc, tight: f64) -> Vec<Piece> {
         let piece = |ends: &[f64]| match ends {
             [from, to] if to > from => {
                 let arc = PlaneArc { start_angle: start_angle + from * sweep.signum(), ..*made };
-                let round = super::round_centre::part_round(&arc, (to - from) * sweep.signum());
+                let round = counterpoint_channel::round_centre::part_round(&arc, (to - from) * sweep.signum());
                 (radius * (to - from), round.abs())
             }
             _ => (0.0, 0.0),

@@ -4,6 +4,7 @@
 //! command: the last writer in tag order wins, with a warning when no sync point lies between). A shared spindle is
 //! reached only through shared operations; an own one is plain state of the act.
 
+use counterpoint_channel::spindle::is_tool_spindle;
 use counterpoint_event::event::SpindleDirection;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -20,9 +21,9 @@ use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
     .contour(CompensationEffect::Commands),
-    ActionEntry::of(&[codes::SPINDLE_CSS], |act, _, _| with_speed_owner(act, css)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_CSS], |act, _, _| with_surface_owner(act, css)).contour(CompensationEffect::Commands),
     ActionEntry::of(&[codes::SPINDLE_RPM], |act, _, _| with_speed_owner(act, rpm)).contour(CompensationEffect::Commands),
-    ActionEntry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_speed_owner(act, limit)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_surface_owner(act, limit)).contour(CompensationEffect::Commands),
     ActionEntry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
     ActionEntry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
     ActionEntry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
@@ -39,7 +40,12 @@ pub(crate) fn turn(
         super::coolant::with_spindle(act, on);
     }
     if matches!(direction, SpindleDirection::Clockwise | SpindleDirection::CounterClockwise) {
-        act.channel_mut().state.others.spindles.started = number;
+        let turns_tools = is_tool_spindle(act.channel(), number);
+        let spindles = &mut act.channel_mut().state.others.spindles;
+        spindles.started = number;
+        if !turns_tools {
+            spindles.turned = number;
+        }
     }
     commanded(act, number, |act| {
         let angle = match direction {
@@ -66,6 +72,20 @@ fn with_speed_owner(
         return action(act);
     }
     let number = number_in_block(act).unwrap_or(act.channel().state.others.spindles.started);
+    commanded(act, number, action)
+}
+
+/// The same for constant surface speed and its limit, which a spindle of live tools never has.
+fn with_surface_owner(
+    act: &mut ActionContext<'_, '_>,
+    action: impl FnOnce(&mut ActionContext<'_, '_>) -> Acted,
+) -> Acted {
+    let spindles = &act.channel().state.others.spindles;
+    let (started, turned) = (spindles.started, spindles.turned);
+    if !act.channel().env.machine.habits.speed_follows_codes || !is_tool_spindle(act.channel(), started) {
+        return with_speed_owner(act, action);
+    }
+    let number = number_in_block(act).unwrap_or(turned);
     commanded(act, number, action)
 }
 

@@ -41,6 +41,7 @@ pub mod plausible;
 pub mod position;
 pub mod probing;
 pub mod remembered;
+pub mod round_centre;
 pub mod shared_target;
 pub mod smooth;
 pub mod spindle;

@@ -140,6 +140,8 @@ pub struct Spindles {
     pub milling: bool,
     /// Number in the code of the spindle that the channel started last, 0 = codes without a number.
     pub started: u16,
+    /// The same of the last one that is not a spindle of live tools.
+    pub turned: u16,
     /// Head that drives constant surface speed, when a code has set it.
     pub driver: Option<u16>,
     /// A speed that waits for the next spindle code.
@@ -160,6 +162,7 @@ impl Spindles {
             kept: machine.spindles.map(|_, _| SpindleCommand::default()),
             milling: false,
             started: 0,
+            turned: 0,
             driver: None,
             waiting: None,
             chucks: machine.chucks().is_some(),
@@ -251,4 +254,15 @@ impl ChannelContext<'_> {
         let shared = id.is_some_and(|id| is_shared(self.env.machine, id));
         self.state.spindle = SpindleState { id, shared, command, ..SpindleState::default() };
     }
+}
+
+/// Whether the code of a spindle is that of live tools: the spindle is neither the main nor the sub-spindle of the
+/// channel.
+pub fn is_tool_spindle(channel: &ChannelContext<'_>, number: u16) -> bool {
+    let id = match number {
+        0 => channel.plain_spindle(),
+        _ => channel.env.machine.spindles.find(|spindle| spindle.number == number),
+    };
+    let spindles = &channel.state.others.spindles;
+    id.is_some() && id != spindles.front && id != spindles.rear
 }

@@ -27,7 +27,7 @@ pub struct NamedTools {
 }
 
 impl NamedTools {
-    /// The number of a name; a new name gets the next one from `first` on, or none after [`MOST`] names.
+    /// The number of a name; a new name gets the next one from `first` on, or none after `MOST` names.
     pub fn number(&mut self, name: &str, first: u32) -> Option<u32> {
         let at = match self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)) {
             Some(at) => at,

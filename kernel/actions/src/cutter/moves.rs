@@ -82,7 +82,12 @@ impl ActionContext<'_, '_> {
     ) -> Position {
         let mut position = self.position_at(cutter, to, spot);
         if let Some(polar) = self.channel().state.place.polar() {
-            polar.reach(&self.channel().state.place, &mut position, spot, crate::round_centre::way_round(made));
+            polar.reach(
+                &self.channel().state.place,
+                &mut position,
+                spot,
+                counterpoint_channel::round_centre::way_round(made),
+            );
         }
         position
     }

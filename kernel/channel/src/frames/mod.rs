@@ -2,18 +2,18 @@
 //!
 //! | point | is | here |
 //! |---|---|---|
-//! | programmed | the values of the words, in the local frame | [`ChannelContext::programmed`] |
-//! | work | after scale, mirror, rotation, translation: `MotionState::position` | [`ChannelContext::work_point`] |
-//! | machine | after offsets, presets and lengths: `MotionState::shift` | [`ChannelContext::machine_point`] |
+//! | programmed | the values of the words, in the local frame | [`MotionState::programmed`] |
+//! | work | after scale, mirror, rotation, translation: `MotionState::position` | [`MotionState::work_point`] |
+//! | machine | after offsets, presets and lengths: `MotionState::shift` | [`MotionState::machine_point`] |
 //!
 //! Events have work points. Lengths, feeds and arcs are those of the work frame. Transformations that couple axes to
 //! each other between the work frame and the axes of the machine (tool tip control, tilted planes) are in
-//! [`ChannelContext::machine_point`] and its inverse [`ChannelContext::point_of_machine`]. Travel limits, `G53`,
+//! [`MotionState::machine_point`] and its inverse [`MotionState::point_of_machine`]. Travel limits, `G53`,
 //! reference points, changes of frames, joint positions and rates of rapids all use these two. Changes of programmed
-//! words before they are points are in [`ChannelContext::work_point`] and [`ChannelContext::programmed`]. Polar
+//! words before they are points are in [`MotionState::work_point`] and [`MotionState::programmed`]. Polar
 //! interpolation is there, since events name the axes.
 //!
-//! Under compensation of the cutter radius `MotionState::position` is where the tool is. [`ChannelContext::contour`]
+//! Under compensation of the cutter radius `MotionState::position` is where the tool is. [`MotionState::contour`]
 //! is the point of the work frame that the program has reached.
 //!
 //! *Invariant:* `MotionState::frames` is `None` unless one of these is active. A point that has come from the program
