@@ -3,7 +3,6 @@
 //! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator. The
 //! kernel executes its requests to them, calls and ends at the end of the block.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
 use counterpoint_control_api::{NotThere, is_vacant};
@@ -12,8 +11,7 @@ use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::rows::CodeRow;
-use counterpoint_program::block::{PendingCode, RetrievedValue};
+use counterpoint_program::block::RetrievedValue;
 use counterpoint_sync::shared::SpindleCommand;
 use counterpoint_sync::wait;
 use counterpoint_sync::wait::Wait;
@@ -30,13 +28,7 @@ use counterpoint_channel::turning::ContourCycle;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_program::data_plan::DataSource;
 
-/// The effect of a code on its channel.
-pub(crate) trait CodeAction: Debug + Sync {
-    /// Executes the code.
-    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted;
-}
-
-/// Lets the kernel run a code action.
+/// Lets the kernel run an action that has `execute`.
 macro_rules! run_in_context {
     ($action:ty) => {
         impl counterpoint_emulator::channel::actions::Action for $action {

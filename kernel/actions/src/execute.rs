@@ -6,13 +6,14 @@ use counterpoint_program::block::PendingCode;
 
 use super::entry::{ActionEntry, CompensationEffect};
 use super::{cutter, cycle};
-use crate::context::{ActionContext, CodeAction, run_in_context};
+use crate::context::{ActionContext, run_in_context};
 
 run_in_context!(ActionEntry);
 
-impl CodeAction for ActionEntry {
+impl ActionEntry {
+    /// Executes the code.
     #[inline]
-    fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    pub(crate) fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         if act.channel().state.cycle.running && self.moves && !code.modal {
             cycle::meets_motion(act)?;
         }

@@ -5,7 +5,7 @@
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_event::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -26,7 +26,7 @@ fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     Ok(())
 }
 
-/// Makes a feed move to a stop.
+/// Makes a feed move to a stop. The approach looks for the stop, too: it is refused where it would pass the stop.
 fn press(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
     let [approach, beyond] = [data::FIXED_STOP_APPROACH, data::FIXED_STOP_OVERTRAVEL]
@@ -37,9 +37,20 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    let mut end = target;
-    // The approach looks for the stop, too: it is refused where it would pass the stop.
     act.channel_mut().state.others.spindles.fixed_stops.once = coded;
+    let moved = approach_and_feed(act, (coded, target), [approach, beyond], (feed, unit));
+    act.channel_mut().state.others.spindles.fixed_stops.once = 0;
+    moved
+}
+
+/// Approaches at rapid to a distance before the target, and continues at feed to a distance beyond it.
+fn approach_and_feed(
+    act: &mut ActionContext<'_, '_>,
+    (coded, target): (u8, Position),
+    [approach, beyond]: [f64; 2],
+    (feed, unit): (Option<f64>, FeedUnit),
+) -> Acted {
+    let mut end = target;
     if let Some(axis) = only_axis(act, coded) {
         let from = act.channel().state.place.position.at(axis);
         let way = target.at(axis) - from;
@@ -51,9 +62,7 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
         *end.at_mut(axis) += if way == 0.0 { 0.0 } else { beyond.copysign(way) };
     }
     let from = act.channel().state.place.position;
-    let moved = if end == from { stand(act, coded, from) } else { act.feed_to(coded, end, feed, unit) };
-    act.channel_mut().state.others.spindles.fixed_stops.once = 0;
-    moved
+    if end == from { stand(act, coded, from) } else { act.feed_to(coded, end, feed, unit) }
 }
 
 /// Makes a move without length: the axes must already be at the stop.

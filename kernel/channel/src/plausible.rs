@@ -19,7 +19,7 @@ pub struct Plausible {
     pub thread: bool,
     /// An improbable feed.
     pub feed: bool,
-    /// A feed per revolution while the spindle stands still.
+    /// A feed per revolution while the spindle is stopped.
     pub spindle: bool,
     /// Spindle and speed of the last report of a speed above the maximum, until the spindle has another speed.
     pub over_speed: Option<(SpindleId, f64)>,

@@ -25,7 +25,7 @@ pub enum MarkSpace {
 /// The rule of a control that a wait follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RuleId {
-    /// The start of a head by the other one.
+    /// The start of one head by the other.
     Start,
     /// A mark of both heads, by its position among their letters.
     Head(u16),

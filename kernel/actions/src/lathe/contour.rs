@@ -7,7 +7,7 @@
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
-use crate::context::{ActionContext, CodeAction, run_in_context};
+use crate::context::{ActionContext, run_in_context};
 use crate::entry::{ActionEntry, CompensationEffect};
 use crate::{find, subprogram};
 use counterpoint_channel::modal::plane;
@@ -33,7 +33,7 @@ struct Defining;
 run_in_context!(Shaping);
 run_in_context!(Defining);
 
-impl CodeAction for Defining {
+impl Defining {
     fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         find(row.id).map_or(Ok(()), |entry| entry.execute(act, row, code))
     }
@@ -63,7 +63,7 @@ pub(crate) fn reading(id: CodeId) -> Option<&'static dyn Action> {
     })
 }
 
-impl CodeAction for Shaping {
+impl Shaping {
     fn execute(&self, act: &mut ActionContext<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         // E of a thread is the change of its lead.
         let is_thread = matches!(row.id.kind(), CodeKind::Thread(_))

@@ -16,26 +16,35 @@ fn needs_interpreter(text: &[u8]) -> bool {
     !text.trim_ascii().is_empty()
 }
 
+/// A control with this language.
+pub struct Rs274Dialect {
+    kind: Rs274Kind,
+    name: &'static str,
+    title: &'static str,
+}
+
 /// LinuxCNC.
-pub struct LinuxCncDialect;
+pub static LINUX_CNC: Rs274Dialect = Rs274Dialect { kind: Rs274Kind::LinuxCnc, name: "linuxcnc", title: "LinuxCNC" };
 
 /// GRBL 1.1.
-pub struct GrblDialect;
+pub static GRBL: Rs274Dialect = Rs274Dialect { kind: Rs274Kind::Grbl, name: "grbl", title: "GRBL" };
 
 /// grblHAL.
-pub struct GrblHalDialect;
+pub static GRBL_HAL: Rs274Dialect = Rs274Dialect { kind: Rs274Kind::GrblHal, name: "grblhal", title: "grblHAL" };
 
-fn interpreter(machine: &Machine, kind: Rs274Kind) -> Rs274 {
-    Rs274::new(kind, machine.variables.system.initial.iter().copied())
+impl Rs274Dialect {
+    fn new_interpreter(&self, machine: &Machine) -> Rs274 {
+        Rs274::new(self.kind, machine.variables.system.initial.iter().copied())
+    }
 }
 
-impl Dialect for LinuxCncDialect {
+impl Dialect for Rs274Dialect {
     fn name(&self) -> &'static str {
-        "linuxcnc"
+        self.name
     }
 
     fn title(&self) -> &'static str {
-        "LinuxCNC"
+        self.title
     }
 
     fn syntax(&self) -> &'static Syntax {
@@ -43,66 +52,15 @@ impl Dialect for LinuxCncDialect {
     }
 
     fn unknown_text(&self, text: &str, _: Unknown) -> String {
-        format!("{text} is not known to this control")
+        let error = if self.kind.is_firmware() { "error:20 " } else { "" };
+        format!("{error}{text} is not known to this control")
     }
 
     fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::LinuxCnc)))
+        Some(Box::new(self.new_interpreter(machine)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::LinuxCnc)))
-    }
-}
-
-impl Dialect for GrblDialect {
-    fn name(&self) -> &'static str {
-        "grbl"
-    }
-
-    fn title(&self) -> &'static str {
-        "GRBL"
-    }
-
-    fn syntax(&self) -> &'static Syntax {
-        &SYNTAX
-    }
-
-    fn unknown_text(&self, text: &str, _: Unknown) -> String {
-        format!("error:20 {text} is not known to this control")
-    }
-
-    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::Grbl)))
-    }
-
-    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::Grbl)))
-    }
-}
-
-impl Dialect for GrblHalDialect {
-    fn name(&self) -> &'static str {
-        "grblhal"
-    }
-
-    fn title(&self) -> &'static str {
-        "grblHAL"
-    }
-
-    fn syntax(&self) -> &'static Syntax {
-        &SYNTAX
-    }
-
-    fn unknown_text(&self, text: &str, _: Unknown) -> String {
-        format!("error:20 {text} is not known to this control")
-    }
-
-    fn reader(&self, machine: &Machine) -> Option<Box<dyn OutlineReader>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::GrblHal)))
-    }
-
-    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
-        Some(Box::new(interpreter(machine, Rs274Kind::GrblHal)))
+        Some(Box::new(self.new_interpreter(machine)))
     }
 }

@@ -34,7 +34,7 @@ use counterpoint_fault::Halt;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_program::kept::{LineCache, TableCache};
 
-pub use control::{GrblDialect, GrblHalDialect, LinuxCncDialect};
+pub use control::{GRBL, GRBL_HAL, LINUX_CNC, Rs274Dialect};
 
 use block::BlockWords;
 use counterpoint_control_api::host::InterpreterHost;

@@ -8,7 +8,7 @@ use counterpoint_control_fanuc::FanucDialect;
 use counterpoint_control_heidenhain::HeidenhainDialect;
 use counterpoint_control_isg::IsgDialect;
 use counterpoint_control_okuma::OkumaDialect;
-use counterpoint_control_rs274::{GrblDialect, GrblHalDialect, LinuxCncDialect};
+use counterpoint_control_rs274::{GRBL, GRBL_HAL, LINUX_CNC};
 use counterpoint_control_siemens::SiemensDialect;
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
@@ -21,9 +21,9 @@ static DIALECTS: [&dyn Dialect; 9] = [
     &SiemensDialect,
     &HeidenhainDialect,
     &IsgDialect,
-    &LinuxCncDialect,
-    &GrblDialect,
-    &GrblHalDialect,
+    &LINUX_CNC,
+    &GRBL,
+    &GRBL_HAL,
 ];
 
 /// All dialects.

@@ -58,8 +58,8 @@ pub struct HookPoints {
     pub loaded: fn(&mut Kernel<'_>, u32, u32),
     /// Makes a hole, through the macro of cycles.
     pub cycle: fn(&mut Kernel<'_>, &CycleHole) -> Acted,
-    /// Asks the identification macro, by its number, about an unknown text and the value assigned to it.
-    pub identify: fn(&mut Kernel<'_>, u16, &str, MacroValue) -> Result<IdentificationAnswer, Halt>,
+    /// Asks the identification macro about an unknown text and the value assigned to it.
+    pub identify: fn(&mut Kernel<'_>, &str, MacroValue) -> Result<IdentificationAnswer, Halt>,
     /// Logs a diagnostic (number and severity) with the changes of macros. `true`: it stops the channel.
     pub diagnostic: fn(&mut Kernel<'_>, (u32, u8), String, bool),
     /// Writes a motion and its duration in seconds down for the tables of tools and operations.

@@ -136,7 +136,7 @@ impl Kernel<'_> {
 }
 
 /// Whether a text contains a part.
-pub fn contains(text: &[u8], part: &[u8]) -> bool {
+fn contains(text: &[u8], part: &[u8]) -> bool {
     let Some(at) = part.first().and_then(|first| memchr::memchr(*first, text)) else { return false };
     text.get(at..).is_some_and(|rest| memchr::memmem::find(rest, part).is_some())
 }

@@ -18,7 +18,7 @@ use counterpoint_lang::value::MacroValue;
 const LONGEST_CODE: usize = 4096;
 const MOST_CODES: usize = 5000;
 
-/// Block delete comes before embedded code, which the block holds; a mark inside such code is none.
+/// Applies block delete before the embedded code of the block. A mark inside such code does not count.
 pub(crate) fn delete_around_code(hooks: &mut MacroHooks<'_, '_>) {
     let text = hooks.kernel.channel.text_bytes().into_owned();
     let seen = without_code(hooks.kernel, &text);

@@ -68,7 +68,7 @@ pub static POINTS: HookPoints = HookPoints {
     head: |kernel, kind, id| MacroHooks::new(kernel).head_event(kind, id),
     loaded: |kernel, tool, before| MacroHooks::new(kernel).book_tool(tool, before),
     cycle: |kernel, hole| MacroHooks::new(kernel).cycle_event(hole),
-    identify: |kernel, code, text, assigned| MacroHooks::new(kernel).ask_identification(code, text, assigned),
+    identify: |kernel, text, assigned| MacroHooks::new(kernel).ask_identification(text, assigned),
     diagnostic: |kernel, diagnostic, text, stops| KernelHost::new(kernel).issue(diagnostic, text, (None, stops)),
     moved: |kernel, seconds, motion| MacroHooks::new(kernel).book_motion(seconds, motion),
     motion: |kernel, seconds, motion| MacroHooks::new(kernel).motion_event(seconds, motion),

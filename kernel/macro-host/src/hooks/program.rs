@@ -34,7 +34,7 @@ impl MacroHooks<'_, '_> {
 
     /// Program Shutdown, when the program has ended or an alarm has stopped it.
     fn end_macros(&mut self, halt: Halt) -> Halt {
-        if self.kernel.plan.hooks.is_none() || !matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
+        if !matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             return halt;
         }
         let runtime = &mut *self.kernel.macros;
@@ -83,10 +83,12 @@ impl MacroHooks<'_, '_> {
     /// The macro stopped the channel.
     pub(crate) fn ask_identification(
         &mut self,
-        code: u16,
         asked: &str,
         assigned: MacroValue,
     ) -> Result<IdentificationAnswer, Halt> {
+        let Some(code) = self.kernel.macros.ready(Hook::Identification) else {
+            return Ok(IdentificationAnswer::Unknown);
+        };
         let mut arguments = [MacroValue::Real(0.0), MacroValue::text(asked), assigned];
         self.run_macro(code, OutputTask::None, &mut arguments)?;
         let [flag, text, _] = arguments;

@@ -78,8 +78,7 @@ impl ValueHost for Kernel<'_> {
     }
 
     fn identify(&mut self, text: &str, assigned: Option<&MacroValue>) -> Result<IdentificationAnswer, Halt> {
-        let Some(code) = self.macros.ready(Hook::Identification) else { return Ok(IdentificationAnswer::Unknown) };
         let Some(hooks) = self.plan.hooks else { return Ok(IdentificationAnswer::Unknown) };
-        (hooks.identify)(self, code, text, assigned.cloned().unwrap_or(MacroValue::Null))
+        (hooks.identify)(self, text, assigned.cloned().unwrap_or(MacroValue::Null))
     }
 }
