@@ -21,8 +21,8 @@ use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 pub(crate) const ENTRIES: &[ActionEntry] = &[
     entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
     .contour(CompensationEffect::Commands),
-    ActionEntry::of(&[codes::SPINDLE_CSS], |act, _, _| with_surface_owner(act, css)).contour(CompensationEffect::Commands),
-    ActionEntry::of(&[codes::SPINDLE_RPM], |act, _, _| with_speed_owner(act, rpm)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_CSS], |act, _, _| mode(act, true)).contour(CompensationEffect::Commands),
+    ActionEntry::of(&[codes::SPINDLE_RPM], |act, _, _| mode(act, false)).contour(CompensationEffect::Commands),
     ActionEntry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_surface_owner(act, limit)).contour(CompensationEffect::Commands),
     ActionEntry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
     ActionEntry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
@@ -47,19 +47,39 @@ pub(crate) fn turn(
             spindles.turned = number;
         }
     }
+    let line = act.channel().at.line;
+    let mode = act.channel_mut().state.others.spindles.mode_of_block.take().filter(|(at, _)| *at == line);
     commanded(act, number, |act| {
         let angle = match direction {
             SpindleDirection::Oriented => act.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
             _ => 0.0,
         };
-        let css = act.spindle_command()?.css;
+        let was = act.spindle_command()?.css;
+        let css = mode.map_or(was, |(_, css)| css);
         let speed = take_speed(act, css);
+        let held = if was && !css { Some(held_speed(act)?) } else { None };
+        let driver = driving_channel(act);
         act.command_spindle(|c| {
             c.direction = direction;
             c.angle = angle;
+            match mode {
+                Some((_, true)) => (c.css, c.driver) = (true, driver),
+                Some((_, false)) => leave_surface_speed(c, held),
+                None => {}
+            }
             set_speed(c, css, speed);
         })
     })
+}
+
+/// Constant surface speed or speed. Both wait for the spindle code of their block, whose spindle takes them.
+fn mode(act: &mut ActionContext<'_, '_>, css: bool) -> Acted {
+    if act.channel().env.machine.habits.speed_follows_codes && has_spindle_code_ahead(act) {
+        let line = act.channel().at.line;
+        act.channel_mut().state.others.spindles.mode_of_block = Some((line, css));
+        return Ok(());
+    }
+    if css { with_surface_owner(act, self::css) } else { with_speed_owner(act, rpm) }
 }
 
 /// Lets an action command the spindle that speeds belong to: the active one, or that of the spindle code in the block,
@@ -75,17 +95,21 @@ fn with_speed_owner(
     commanded(act, number, action)
 }
 
-/// The same for constant surface speed and its limit, which a spindle of live tools never has.
+/// The same for constant surface speed and its limit, which a spindle of live tools never has. On some machines they
+/// belong to the spindle at which the turret works (`[control] surface_owner`).
 fn with_surface_owner(
     act: &mut ActionContext<'_, '_>,
     action: impl FnOnce(&mut ActionContext<'_, '_>) -> Acted,
 ) -> Acted {
-    let spindles = &act.channel().state.others.spindles;
+    let (habits, spindles) = (&act.channel().env.machine.habits, &act.channel().state.others.spindles);
     let (started, turned) = (spindles.started, spindles.turned);
-    if !act.channel().env.machine.habits.speed_follows_codes || !is_tool_spindle(act.channel(), started) {
-        return with_speed_owner(act, action);
-    }
-    let number = number_in_block(act).unwrap_or(turned);
+    let without_code = match habits.surface_of_side {
+        _ if !habits.speed_follows_codes => return action(act),
+        true => 0,
+        false if is_tool_spindle(act.channel(), started) => turned,
+        false => started,
+    };
+    let number = number_in_block(act).unwrap_or(without_code);
     commanded(act, number, action)
 }
 
@@ -99,16 +123,22 @@ fn number_in_block(act: &ActionContext<'_, '_>) -> Option<u16> {
     })
 }
 
-/// The speed of the block, unless it belongs to the spindle code of the block, which takes it.
-fn take_free_speed(act: &mut ActionContext<'_, '_>, css: bool) -> Option<f64> {
-    let of_code = act.channel().env.machine.habits.speed_follows_codes && number_in_block(act).is_some();
-    if of_code { None } else { take_speed(act, css) }
+/// Whether a spindle code of the block has not acted yet.
+fn has_spindle_code_ahead(act: &ActionContext<'_, '_>) -> bool {
+    let (machine, block) = (act.channel().env.machine, &act.channel().block);
+    let mut ahead = block.pending.iter().skip(block.next);
+    ahead.any(|pending| matches!(machine.codes[pending.row].id.kind(), CodeKind::Spindle { .. }))
+}
+
+/// The channel whose X drives constant surface speed.
+fn driving_channel(act: &ActionContext<'_, '_>) -> u16 {
+    act.channel().state.others.spindles.driver.unwrap_or(act.channel().at.channel)
 }
 
 /// Constant surface speed on.
 pub(crate) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
-    let speed = take_free_speed(act, true);
-    let driver = act.channel().state.others.spindles.driver.unwrap_or(act.channel().at.channel);
+    let speed = take_speed(act, true);
+    let driver = driving_channel(act);
     act.command_spindle(|c| {
         c.css = true;
         c.driver = driver;
@@ -118,17 +148,18 @@ pub(crate) fn css(act: &mut ActionContext<'_, '_>) -> Acted {
 
 /// Revolutions per minute on.
 pub(crate) fn rpm(act: &mut ActionContext<'_, '_>) -> Acted {
-    let speed = take_free_speed(act, false);
+    let speed = take_speed(act, false);
     let held = held_speed(act)?;
     act.command_spindle(|c| {
-        if c.css && speed.is_none() {
-            // Leaving surface speed without a new S keeps the speed that is turning.
-            c.rpm = held;
-        }
-        c.css = false;
-        c.radius = 0.0;
+        leave_surface_speed(c, c.css.then_some(held));
         set_speed(c, false, speed);
     })
+}
+
+/// Ends constant surface speed; the speed that turns stays until the program gives another one.
+fn leave_surface_speed(command: &mut SpindleCommand, held: Option<f64>) {
+    command.rpm = held.unwrap_or(command.rpm);
+    (command.css, command.radius) = (false, 0.0);
 }
 
 /// Speed limit.
@@ -190,6 +221,8 @@ pub(crate) fn tap_speed(act: &mut ActionContext<'_, '_>) -> Acted {
 /// The speed of the block, otherwise one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(act: &mut ActionContext<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
+    // A macro of a spindle code passes on the S of its block as a speed.
+    let word = word.or_else(|| if css { act.take(data::SPINDLE_RPM) } else { None });
     if let Some(word) = word {
         act.channel_mut().state.remembered.remember_speed(word.raw);
     }

@@ -51,6 +51,7 @@ pub mod swallowed;
 pub mod system_values;
 pub mod text;
 pub mod thread;
+pub mod thread_passes;
 pub mod times;
 pub mod tool_names;
 pub mod turning;

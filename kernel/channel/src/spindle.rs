@@ -142,6 +142,8 @@ pub struct Spindles {
     pub started: u16,
     /// The same of the last one that is not a spindle of live tools.
     pub turned: u16,
+    /// Line of a block whose spindle code has not acted yet, and whether the block gives a surface speed.
+    pub mode_of_block: Option<(u32, bool)>,
     /// Head that drives constant surface speed, when a code has set it.
     pub driver: Option<u16>,
     /// A speed that waits for the next spindle code.
@@ -163,6 +165,7 @@ impl Spindles {
             milling: false,
             started: 0,
             turned: 0,
+            mode_of_block: None,
             driver: None,
             waiting: None,
             chucks: machine.chucks().is_some(),

@@ -69,6 +69,8 @@ pub struct Habits {
     /// Whether a speed and its mode belong to the spindle of the block's spindle code, else to the spindle that the
     /// channel started last; otherwise they belong to the active spindle.
     pub speed_follows_codes: bool,
+    /// Whether constant surface speed and its limit belong to the spindle at which the turret works.
+    pub surface_of_side: bool,
     /// Whether the active scale also applies to the centre of a rotation.
     pub scaled_center: bool,
     /// Whether a preset ends the local shift of its axes.
@@ -198,6 +200,7 @@ impl Default for Habits {
             feed_needs_spindle: false,
             guards_speed: false,
             speed_follows_codes: false,
+            surface_of_side: false,
             scaled_center: false,
             preset_ends_shift: false,
             shift_of_each: false,

@@ -9,7 +9,7 @@ use counterpoint_fault::{self as diag, Acted, Halt};
 use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::index::SpindleId;
-use counterpoint_machine::rows::CodeRow;
+use counterpoint_machine::rows::{CodeRow, TimeOverlap};
 use counterpoint_program::block::PendingCode;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::{SpindleCommand, SpindleCoupling};
@@ -132,7 +132,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
         Ok(Some((was, spindle.coupling, moved, spindle.written(at.1))))
     })?;
     let (was, now, changed, conflict) = match done {
-        Ok(None) => return Ok(()),
+        Ok(None) => return repeated(kernel, pair, phase),
         Ok(Some(done)) => done,
         Err(refusal) => return Err(refuse(kernel, pair, refusal)),
     };
@@ -145,7 +145,8 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     let in_phase = now.and_then(|coupling| coupling.phase);
     let finds = in_phase.is_some() && was.and_then(|was| was.phase) != in_phase;
     let finding = if finds { machine.spindles[follower].phase } else { 0.0 };
-    let ns = nanoseconds(ramps + finding);
+    let rest = if was.is_some() { rest_of_run_up(kernel, [leader, follower])? } else { 0 };
+    let ns = rest + nanoseconds(ramps + finding);
     let changed = changed || was.is_some_and(|was| was.ratio != ratio);
     note_run_up(kernel, follower, ns)?;
     if leads != 0.0 {
@@ -160,6 +161,36 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     let phase = in_phase.map_or_else(String::new, |phase| format!(" phase {}", wildcard_text(phase)));
     kernel.channel.emit(0, Kind::mode(format!("synchronous spindles {numbers}{ratio}{phase}")));
     kernel.channel.check_stop()
+}
+
+/// A code that repeats the state of the spindles: the block lasts until they have reached it.
+fn repeated(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Acted {
+    let ns = rest_of_run_up(kernel, [pair.leader, pair.follower])?;
+    if ns == 0 {
+        return Ok(());
+    }
+    let numbers = numbers(kernel, pair);
+    let phase = phase.map_or_else(String::new, |phase| format!(" phase {}", wildcard_text(phase)));
+    kernel.channel.emit(ns, Kind::mode(format!("synchronous spindles {numbers}{phase}")));
+    kernel.channel.advance(ns);
+    kernel.channel.check_stop()
+}
+
+/// A command that another channel has given already: the block lasts until the spindle has reached its speed.
+pub(super) fn wait_for_speed(kernel: &mut Kernel<'_>, id: SpindleId) -> Acted {
+    let ns = rest_of_run_up(kernel, [id, id])?;
+    if ns > 0 && kernel.channel.env.machine.spindles[id].overlap == TimeOverlap::None {
+        let command = kernel.channel.state.spindle.command;
+        emit(kernel, id, &command, ns);
+        kernel.channel.advance(ns);
+    }
+    Ok(())
+}
+
+/// Time until the last of these spindles has reached its speed, ns.
+fn rest_of_run_up(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Result<i64, Halt> {
+    let now = kernel.channel.now();
+    Ok(settled(kernel, spindles)?.map_or(0, |at| at - now))
 }
 
 /// Ends the phase.
@@ -243,9 +274,10 @@ pub(super) fn settled(kernel: &mut Kernel<'_>, spindles: [SpindleId; 2]) -> Resu
     Ok(Some(settled).filter(|settled| *settled > kernel.channel.now()))
 }
 
-/// Records the time at which a spindle reaches its speed; only the rules of chucks use it.
+/// Records the time at which a spindle reaches its speed, for the rules of chucks and for other channels.
 pub(super) fn note_run_up(kernel: &mut Kernel<'_>, id: SpindleId, ns: i64) -> Acted {
-    if ns == 0 || !kernel.channel.state.others.spindles.chucks {
+    let seen = kernel.channel.env.machine.channels.len() > 1 && kernel.channel.state.spindle.shared;
+    if ns == 0 || !seen && !kernel.channel.state.others.spindles.chucks {
         return Ok(());
     }
     let settled = kernel.channel.now() + ns;

@@ -69,6 +69,8 @@ impl Kernel<'_> {
             self.channel.reports.plausible.look_above = 0.0;
             self.announce(id, before, old.direction)?;
             chucks::after_command(self)?;
+        } else if self.channel.state.spindle.is_seen(self.channel.env.machine) {
+            paired_spindles::wait_for_speed(self, id)?;
         }
         self.follow_radius()
     }

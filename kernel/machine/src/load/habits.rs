@@ -78,6 +78,8 @@ pub(super) fn read(top: &mut TableReader<'_>, preprocessor: Preprocessor) -> (Ha
     habits.guards_speed = section.choice("speed_beside_functions", &speeds).unwrap_or(habits.guards_speed);
     let owners = [("active", false), ("commanded", true)];
     habits.speed_follows_codes = section.choice("speed_owner", &owners).unwrap_or(habits.speed_follows_codes);
+    let owners = [("commanded", false), ("side", true)];
+    habits.surface_of_side = section.choice("surface_owner", &owners).unwrap_or(habits.surface_of_side);
     let centers = [("as-programmed", false), ("scaled", true)];
     habits.scaled_center = section.choice("rotation_center", &centers).unwrap_or(habits.scaled_center);
     let numbers = [("missing", false), ("first", true)];

@@ -4,20 +4,19 @@
 //! every move inside is an ordinary motion; a pass is never deeper than the end point. Decisions: docs/emulation.md,
 //! "Threading cycles".
 
-mod passes;
 mod path;
 mod words;
 
 use super::Screw;
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use counterpoint_channel::thread_passes::{MOST_PASSES, ThreadPassPlan};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::{ThreadCycle, ThreadCycleSetting};
 use counterpoint_machine::index::AxisSlot;
-use passes::ThreadPassPlan;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -154,7 +153,7 @@ fn plan(act: &mut ActionContext<'_, '_>) -> Result<ThreadPassPlan, Halt> {
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let cycle = &act.channel().state.threads.cycle;
-    let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
+    let whole = |value: f64| value.clamp(0.0, MOST_PASSES as f64) as u32;
     let plan = ThreadPassPlan {
         mode: cycle.mode,
         depth: cycle.depth.unwrap_or(0.0).abs(),

@@ -5,37 +5,39 @@
 //! finishing allowance; finishing passes go to the whole depth. There are [`MOST_PASSES`] at most.
 
 /// Passes of a thread at most, finishing included.
-pub(crate) const MOST_PASSES: usize = 1000;
+pub const MOST_PASSES: usize = 1000;
 
 /// Data that determine the passes; lengths are radius values.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ThreadPassPlan {
+pub struct ThreadPassPlan {
     /// `$THMODE`
-    pub(crate) mode: u8,
+    pub mode: u8,
     /// Whole depth.
-    pub(crate) depth: f64,
+    pub depth: f64,
     /// First step, if programmed.
-    pub(crate) step: Option<f64>,
+    pub step: Option<f64>,
     /// Smallest step.
-    pub(crate) least: f64,
+    pub least: f64,
     /// Number of passes before finishing, if programmed.
-    pub(crate) cuts: Option<u32>,
+    pub cuts: Option<u32>,
     /// Finishing passes, and their allowance.
-    pub(crate) finish_cuts: u32,
-    pub(crate) finish: f64,
+    pub finish_cuts: u32,
+    /// Depth that finishing passes remove.
+    pub finish: f64,
 }
 
 /// A pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ThreadPass {
+pub struct ThreadPass {
     /// Counts from 1; 0 for finishing.
-    pub(crate) number: u32,
-    pub(crate) depth: f64,
+    pub number: u32,
+    /// Its depth.
+    pub depth: f64,
 }
 
 impl ThreadPassPlan {
     /// The passes, and whether there are more than may be.
-    pub(crate) fn passes(&self) -> (Vec<ThreadPass>, bool) {
+    pub fn passes(&self) -> (Vec<ThreadPass>, bool) {
         let rough = (self.depth - self.finish).max(0.0);
         let mut passes = Vec::new();
         let mut cut_short = false;
