@@ -81,8 +81,8 @@ def git_folder(name, commit, mirror, cache):
     """The git directory of a repository: of the mirror, of the cache, or fetched into the cache."""
     if mirror:
         folder = os.path.join(mirror, name.replace("/", "+"))
-        inner = os.path.join(folder, "repo")
-        return inner if os.path.isdir(inner) else folder
+        inner = [os.path.join(folder, *names) for names in (("repo", ".git"), ("repo",))]
+        return next((path for path in inner if os.path.isdir(path)), folder)
     folder = os.path.join(cache, name.replace("/", "+") + ".git")
     if not os.path.isdir(folder):
         url = f"https://github.com/{name}.git"
