@@ -62,8 +62,10 @@ class Functions(unittest.TestCase):
         programs = run.read_programs(os.path.join(run.HERE, "programs.tsv"))
         self.assertEqual({p.repository for p in programs}, set(repositories))
         for p in programs:
-            if p.verdict != "silent":
-                self.assertEqual(p.verdict == "clean", not p.expected, p)
+            if p.verdict == "clean":
+                self.assertIn(p.expected, [set()] + [{"2900070", "LIMIT"}] * ("for ever" in p.reason), p)
+            elif p.verdict != "silent":
+                self.assertTrue(p.expected, p)
 
 
 if __name__ == "__main__":
