@@ -114,7 +114,7 @@ impl ActionContext<'_, '_> {
 
     /// Whether a free word that can move an axis or shape an arc is in the block.
     pub(crate) fn has_motion_word(&self) -> bool {
-        self.channel().block.has_any(self.kernel.plan.registers.motion)
+        self.channel().block.has_any(self.kernel.channel.tables.registers.motion)
     }
 
     /// Whether a free word of an axis is in the block.
@@ -126,17 +126,17 @@ impl ActionContext<'_, '_> {
 
     /// Registers of corners and of directions of lines.
     pub(crate) fn contour_registers(&self) -> counterpoint_program::registers::ContourRegisters {
-        self.kernel.plan.registers.contour
+        self.kernel.channel.tables.registers.contour
     }
 
     /// Where the values of an identifier come from.
     pub(crate) fn sources(&self, id: DataId) -> &[DataSource] {
-        self.kernel.plan.sources_of(id)
+        self.kernel.channel.tables.sources_of(id)
     }
 
     /// Registers that can supply an identifier, bit by register.
     pub(crate) fn registers_of(&self, id: DataId) -> u128 {
-        self.kernel.plan.registers_of(id)
+        self.kernel.channel.tables.registers_of(id)
     }
 
     /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
@@ -146,7 +146,7 @@ impl ActionContext<'_, '_> {
 
     /// Whether the lead of a thread and the feed per revolution are one word that stays active.
     pub(crate) fn lead_is_feed(&self) -> bool {
-        self.kernel.plan.rules.lead_is_feed
+        self.kernel.channel.tables.rules.lead_is_feed
     }
 
     /// Reports which of the data that an action could have used have rows that are all switched off.

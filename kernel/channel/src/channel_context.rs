@@ -12,9 +12,9 @@ use crate::plausible::Plausible;
 use crate::swallowed::Swallowed;
 use counterpoint_ports::MemoryShares;
 use counterpoint_program::block::Block;
-use counterpoint_program::scan::LineScanner;
 
 use super::at::ExecutionPoint;
+use super::block_tables::BlockTables;
 use super::burden::Burden;
 use super::context::BlockContext;
 use super::emitter::Emitter;
@@ -45,8 +45,8 @@ pub struct ChannelContext<'a> {
     pub text: BlockText,
     /// The block as macros have changed it.
     pub context: BlockContext,
-    /// Reads the lines of the machine.
-    pub scanner: &'a LineScanner,
+    /// The machine as the blocks need it.
+    pub tables: &'a BlockTables,
     /// The code that is acting.
     pub acting: Acting,
     /// The memory of the channel from block to block.

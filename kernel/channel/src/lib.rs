@@ -9,6 +9,7 @@ pub mod arc;
 pub mod area;
 pub mod at;
 pub mod beside;
+pub mod block_tables;
 pub mod burden;
 pub mod callee;
 pub mod calling_words;

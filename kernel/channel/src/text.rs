@@ -86,7 +86,7 @@ pub fn current_text<'t>(channel: &'t ChannelContext<'_>) -> &'t [u8] {
         None => {
             let (sources, at) = (channel.env.sources, &channel.at);
             let line = sources.get(at.file).map_or(&[][..], |source| source.line(at.line));
-            let end = channel.scanner.block_end(line).unwrap_or(line.len());
+            let end = channel.tables.scanner.block_end(line).unwrap_or(line.len());
             line.get(..end).unwrap_or_default()
         }
     }

@@ -48,8 +48,8 @@ impl Linter<'_, '_> {
     /// Splits a text into words; returns the previous text of the block.
     pub(super) fn scan(&mut self, text: &[u8]) -> Option<Arc<[u8]>> {
         let read = self.kernel.channel.text.edited.replace(text.into());
-        let plan = self.kernel.plan;
-        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        let tables = self.kernel.channel.tables;
+        let scanner = tables.unmarked.as_deref().unwrap_or(&tables.scanner);
         scanner.scan_as(text, self.kernel.channel.state.secondary, &mut self.kernel.channel.block, false);
         read
     }
@@ -133,7 +133,7 @@ impl Linter<'_, '_> {
     fn moves(&self, name: &str) -> bool {
         let registers = &self.kernel.channel.env.machine.registers;
         let register = registers.find(|register| register.name == name);
-        register.is_some_and(|register| self.kernel.plan.registers.motion & register.bit() != 0)
+        register.is_some_and(|register| self.kernel.channel.tables.registers.motion & register.bit() != 0)
     }
 
     /// Effect of the words of a text, or of those in the block.

@@ -103,7 +103,7 @@ impl Kernel<'_> {
             block: _,
             text,
             context,
-            scanner: _,
+            tables: _,
             acting: _,
             state,
             reports,
@@ -170,7 +170,7 @@ impl Kernel<'_> {
         self.components.turns = carried.turns;
         if let Some(component) = self.components.current() {
             (self.channel.env.machine, self.plan) = (component.machine, component.plan);
-            self.channel.scanner = &self.plan.scanner;
+            self.channel.tables = &self.plan.tables;
             self.channel.state.times.record_motions(self.plan.hooks.is_some());
             let reader = self.channel.env.whole.reader_for(component.machine.preprocessor);
             self.channel.env.sources = self.channel.env.sources.by(reader);

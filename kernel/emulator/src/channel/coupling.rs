@@ -176,10 +176,10 @@ impl Kernel<'_> {
 
     /// Another component of a composite machine works: its axes are coupled as before.
     pub fn keep_couplings(&mut self) {
-        let (machine, channel) = (self.channel.env.machine, self.channel.at.channel);
+        let (machine, own_number) = (self.channel.env.machine, self.channel.at.channel);
         let ChannelMemory { place, others, .. } = &mut self.channel.state;
         for coupling in &mut others.couplings {
-            let (slot, other) = (coupling.slot, coupling.pair.of(channel).map(|(_, other)| other));
+            let (slot, other) = (coupling.slot, coupling.pair.of(own_number).map(|(_, other)| other));
             if let Some(((own, moves), other)) = coupling.own.as_mut().zip(other) {
                 let moving = place.layout.axes[slot].moving(&machine.axes[other.axis], *moves);
                 *own = std::mem::replace(&mut place.layout.axes[slot], moving);
@@ -197,7 +197,7 @@ impl Kernel<'_> {
         for (slot, axis) in
             layout.axes.entries().filter(|(_, axis)| machine.axes[axis.machine].coupling.number.is_some())
         {
-            let registers = self.plan.registers_of(axis.data);
+            let registers = self.channel.tables.registers_of(axis.data);
             let leased = machine.axes[axis.machine].master.is_some();
             if held & slot.bit() != 0 {
                 layout.bounds.foreign |= registers;

@@ -131,7 +131,7 @@ pub(crate) fn make(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Result<bool,
 
 /// The effect of a block, determined once for words with the same registers and codes.
 fn known_move(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Option<StraightMove> {
-    let only_data = kernel.plan.registers.only_data;
+    let only_data = kernel.channel.tables.registers.only_data;
     let mark = |word: &CycleWord| match *word {
         CycleWord::Text(row) => WordMark::Text(row),
         CycleWord::Register(word) if only_data & word.register.bit() != 0 => WordMark::Data(word.register),
@@ -195,9 +195,9 @@ fn effect_of(kernel: &mut Kernel<'_>, marks: &[WordMark], words: &[CycleWord]) -
 
 /// Adds a word of data: the position of a linear axis, or a feed.
 fn mark_data(kernel: &Kernel<'_>, effect: &mut StraightMove, (at, register): (usize, RegisterId)) -> Option<()> {
-    let (machine, plan) = (kernel.channel.env.machine, kernel.plan);
+    let (machine, tables) = (kernel.channel.env.machine, kernel.channel.tables);
     let no_macro = |id: DataId| machine.macros.as_deref().is_none_or(|macros| macros.of_data(id).is_empty());
-    if (plan.registers.before_codes | plan.registers.length) & register.bit() != 0 {
+    if (tables.registers.before_codes | tables.registers.length) & register.bit() != 0 {
         return None;
     }
     let mut rows = machine.tables.data_of(register).iter().map(|&row| &machine.data[row]);
@@ -205,7 +205,7 @@ fn mark_data(kernel: &Kernel<'_>, effect: &mut StraightMove, (at, register): (us
         return effect.feed.replace(at).is_none().then_some(());
     }
     let axes = &kernel.channel.state.place.layout.axes;
-    let of = |id: DataId| plan.registers_of(id);
+    let of = |id: DataId| tables.registers_of(id);
     let (slot, axis) = axes.entries().find(|(_, axis)| of(axis.data) & register.bit() != 0)?;
     let taken_before = FEEDS.into_iter().chain([data::RAPID_FEED]).fold(0, |bits, id| bits | of(id));
     let others = axes.iter().filter(|other| other.data != axis.data).fold(0, |bits, other| bits | of(other.data));
@@ -255,14 +255,14 @@ fn is_never_refused(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> bool {
 
 /// The value of a word as an action would read it; none if this takes more than a factor.
 fn direct_value(kernel: &Kernel<'_>, id: DataId, word: &MadeWord) -> Option<DirectValue> {
-    let [source] = kernel.plan.sources_of(id) else { return None };
+    let [source] = kernel.channel.tables.sources_of(id) else { return None };
     let DataSource { register, mul, add, min, max, dimension, modal, .. } = *source;
     let plain = register == word.register && source.one.is_none() && !source.diameter_x;
     if !plain || dimension == Dimension::Increments || word.value < min || word.value > max {
         return None;
     }
     let number = WrittenNumber { value: word.value, point: true, digits: 0, fraction: 0 };
-    let (_, bits) = kernel.plan.scanner.reading(register, number, kernel.channel.state.secondary);
+    let (_, bits) = kernel.channel.tables.scanner.reading(register, number, kernel.channel.state.secondary);
     if bits & !irregular::POINT != 0 {
         return None;
     }

@@ -30,7 +30,7 @@ impl Kernel<'_> {
         if self.channel.acting.as_data.is_some_and(|handed| handed.id == id) {
             return self.take_handed();
         }
-        if (self.channel.block.present | RECALLED) & self.plan.data.registers_of[id] == 0 {
+        if (self.channel.block.present | RECALLED) & self.channel.tables.data.registers_of[id] == 0 {
             return None;
         }
         self.take_word(id)
@@ -72,14 +72,14 @@ impl Kernel<'_> {
 
     /// Whether a value of `id` is in the block.
     pub fn block_has(&self, id: DataId) -> bool {
-        let registers = self.plan.data.registers_of[id];
+        let registers = self.channel.tables.data.registers_of[id];
         self.channel.block.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is in the block.
     fn take_word(&mut self, id: DataId) -> Option<RetrievedValue> {
-        let plan = self.plan;
-        for source in plan.sources_of(id) {
+        let tables = self.channel.tables;
+        for source in tables.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
             let raw = self.raw(source, &word);
             let incremental = word.incremental;
@@ -133,7 +133,7 @@ impl Kernel<'_> {
     /// Reads the numbers of the block again in the formats of the current units; values of expressions do not change.
     #[cold]
     pub fn read_words_again(&mut self) {
-        let plan = self.plan;
+        let tables = self.channel.tables;
         let secondary = self.channel.state.secondary;
         for at in 0..self.channel.block.words.len() {
             let Some(&word) = self.channel.block.words.get(at).filter(|word| !word.made) else { continue };
@@ -143,7 +143,7 @@ impl Kernel<'_> {
                 let text = line.get(word.start as usize..word.end as usize).and_then(|text| text.get(before..));
                 let number =
                     text.map(|text| text.trim_ascii_start()).map(|text| text.strip_prefix(b"=").unwrap_or(text));
-                number.and_then(|text| plan.scanner.read_again(word.register, text, secondary))
+                number.and_then(|text| tables.scanner.read_again(word.register, text, secondary))
             };
             if let (Some(value), Some(word)) = (value, self.channel.block.words.get_mut(at)) {
                 word.value = value;
@@ -180,7 +180,7 @@ impl Kernel<'_> {
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
     pub fn recall(&self, id: DataId) -> Option<RetrievedValue> {
-        let modal = self.plan.data.recall.as_ref()?[id];
+        let modal = self.channel.tables.data.recall.as_ref()?[id];
         let value = self.channel.state.remembered.value(id).filter(|_| modal)?;
         Some(RetrievedValue { value, incremental: false, absolute: false, raw: value })
     }
@@ -188,7 +188,7 @@ impl Kernel<'_> {
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
     pub fn refuse(&mut self, id: DataId) -> bool {
-        let refused = self.plan.data.refused[id];
+        let refused = self.channel.tables.data.refused[id];
         if (self.channel.block.present | RECALLED) & refused != 0 {
             self.report_refused(id, if refused & RECALLED == 0 { NOT_PROCESSED } else { SWITCHED_OFF });
             return true;
@@ -209,7 +209,7 @@ impl Kernel<'_> {
     /// Refuses a word for a macro. Unlike an action, a macro may ask for data whose rows are all switched off.
     #[cold]
     pub fn refuse_word(&mut self, id: DataId) {
-        if self.channel.block.present & self.plan.data.refused[id] & !RECALLED != 0 {
+        if self.channel.block.present & self.channel.tables.data.refused[id] & !RECALLED != 0 {
             self.refuse(id);
         }
     }
@@ -238,7 +238,7 @@ impl Kernel<'_> {
     /// The same for the positions of an axis that have words of their own.
     pub fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
         let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
-        if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
+        if is_x && !self.channel.tables.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
     }
 
     /// Reports a value outside the range of its row.

@@ -91,7 +91,7 @@ impl Kernel<'_> {
         let before = text.get(..word.start as usize).unwrap_or_default();
         let after = text.get(word.end as usize..).unwrap_or_default().trim_ascii();
         let comment = matches!(after, [b'(', inner @ .., b')'] if !inner.contains(&b')'));
-        Some(word.register) == self.plan.registers.definition
+        Some(word.register) == self.channel.tables.registers.definition
             && before.trim_ascii().is_empty()
             && (after.is_empty() || comment)
     }

@@ -25,14 +25,14 @@ impl Kernel<'_> {
         spelled: Option<&str>,
         (start, end): (u32, u32),
     ) {
-        let (plan, secondary) = (self.plan, self.channel.state.secondary);
+        let (tables, secondary) = (self.channel.tables, self.channel.state.secondary);
         let row = &self.channel.env.machine.registers[register];
         let format = if secondary { &row.secondary } else { &row.format };
-        let number = spelled.and_then(|text| plan.scanner.reading_of(register, text.as_bytes(), secondary));
+        let number = spelled.and_then(|text| tables.scanner.reading_of(register, text.as_bytes(), secondary));
         let (read, bits) = number.unwrap_or_else(|| {
             let value = rounded(value, format);
             let number = WrittenNumber { value, point: true, digits: 0, fraction: 0 };
-            let (value, bits) = plan.scanner.reading(register, number, secondary);
+            let (value, bits) = tables.scanner.reading(register, number, secondary);
             let pointed = match format.point {
                 DecimalPointRule::Keep => format.frac > 0,
                 DecimalPointRule::Fractional => value.fract() != 0.0,
@@ -49,7 +49,7 @@ impl Kernel<'_> {
         });
         let block = &mut self.channel.block;
         block.flags.irregular |= bits;
-        if Some(register) == plan.scanner.sequence() && block.sequence.is_none() && read >= 0.0 {
+        if Some(register) == tables.scanner.sequence() && block.sequence.is_none() && read >= 0.0 {
             block.sequence = Some(read as u32);
             return;
         }
@@ -59,8 +59,8 @@ impl Kernel<'_> {
 
     /// Adds the words of a part of a text whose places are those of the block.
     pub(crate) fn left_plain(&mut self, text: &[u8], span: (u32, u32)) {
-        let plan = self.plan;
-        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        let tables = self.channel.tables;
+        let scanner = tables.unmarked.as_deref().unwrap_or(&tables.scanner);
         scanner.scan_part(text, span, self.channel.state.secondary, &mut self.channel.block);
         self.dialect.left.add(|| part(text, span));
         self.notes_effect();
@@ -68,8 +68,8 @@ impl Kernel<'_> {
 
     /// Adds words that replace a part of the block.
     pub(crate) fn left_written(&mut self, words: &str, (start, end): (u32, u32)) {
-        let plan = self.plan;
-        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        let tables = self.channel.tables;
+        let scanner = tables.unmarked.as_deref().unwrap_or(&tables.scanner);
         let block = &mut self.channel.block;
         let count = block.words.len();
         let unrecognised = std::mem::take(&mut block.unrecognised);

@@ -46,14 +46,14 @@ impl Kernel<'_> {
 
     /// The first code macro for a code that is on, not running, and whose condition holds.
     pub fn matching_code_macro(&self, id: CodeId) -> Option<u16> {
-        let macros = self.channel.env.machine.macros.as_deref()?;
-        let list = macros.of_code(id);
+        let defined = self.channel.env.machine.macros.as_deref()?;
+        let list = defined.of_code(id);
         let runtime = &*self.macros;
         if list.is_empty() || !runtime.hooks.matching {
             return None;
         }
         list.iter().find_map(|&at| {
-            let named = &macros.codes[at];
+            let named = &defined.codes[at];
             let may = runtime.hooks.has_code(at) && !runtime.calls.is_busy(named.code);
             let holds = || named.condition.is_empty() || named.condition.holds(|item| self.is_present(item, Some(id)));
             (may && holds()).then_some(named.code)
@@ -75,7 +75,7 @@ impl Kernel<'_> {
 
     /// Data are in the block.
     pub fn has_data(&self, id: DataId) -> bool {
-        let registers = self.plan.data.registers_of[id];
+        let registers = self.channel.tables.data.registers_of[id];
         self.channel.block.present & registers != 0
             || self.channel.block.added.iter().any(|(other, _)| *other == id)
             || self.channel.acting.as_data.is_some_and(|handed| handed.id == id)
@@ -94,7 +94,7 @@ impl Kernel<'_> {
     pub fn block_scanner(&self) -> Option<Arc<LineScanner>> {
         self.plan.hooks?;
         let runtime = &*self.macros;
-        match &self.plan.unmarked {
+        match &self.channel.tables.unmarked {
             Some(scanner) if self.channel.context.made => Some(Arc::clone(scanner)),
             _ => runtime.reading.switched.clone(),
         }
@@ -113,7 +113,7 @@ impl Kernel<'_> {
     pub fn own_sequence(&self) -> Option<RegisterId> {
         let own = usize::from(self.channel.env.kernel_number(self.channel.at.channel))
             .checked_sub(1)
-            .and_then(|head| self.plan.registers.head_sequences.get(head));
+            .and_then(|head| self.channel.tables.registers.head_sequences.get(head));
         own.copied().flatten()
     }
 
@@ -131,7 +131,7 @@ impl Kernel<'_> {
 
     /// The first row of a code that is switched on.
     pub fn row_of_code(&self, id: CodeId) -> Option<CodeRowId> {
-        self.plan.rows_of_code[id]
+        self.channel.tables.rows_of_code[id]
     }
 }
 

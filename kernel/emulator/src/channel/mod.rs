@@ -99,7 +99,8 @@ impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
         let Setup { env, emitter, ports, plan, components } = setup;
-        let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), SearchMemory::default());
+        let tape =
+            (plan.tables.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), SearchMemory::default());
         let machine = env.machine;
         let mut state = ChannelMemory::new(machine, channel);
         state.times.record_motions(plan.hooks.is_some());
@@ -110,7 +111,7 @@ impl<'a> Kernel<'a> {
                 block: Block::default(),
                 text: BlockText { tape, ..BlockText::default() },
                 context: BlockContext::default(),
-                scanner: &plan.scanner,
+                tables: &plan.tables,
                 acting: Acting::default(),
                 state,
                 reports: Reports::new(rules(env.whole)),
@@ -142,7 +143,8 @@ impl Kernel<'_> {
             self.flush_lookahead()?;
         }
         self.channel.come_to_rest();
-        self.in_order(self.channel.at.tag(), operation)
+        let tag = self.channel.at.tag();
+        self.in_order(tag, operation)
     }
 
     /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the

@@ -28,7 +28,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(super) fn begin_travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.check_travel_before(motion)?;
-        if self.plan.rules.overlaps {
+        if self.channel.tables.rules.overlaps {
             self.end_before_feed(motion.kind);
         }
         if let Some(instead) = self.plan.motion {
@@ -97,7 +97,7 @@ impl Kernel<'_> {
         let drives = self.drive_spindle(seconds, motion)?;
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
-        if self.plan.rules.keeps_last_move {
+        if self.channel.tables.rules.keeps_last_move {
             self.channel.state.arcs.last = Some(self.last_move(motion));
             self.channel.state.arcs.feed = Some((motion.feed, motion.feed_unit));
         }

@@ -21,7 +21,7 @@ impl Kernel<'_> {
         if self.channel.block.present & self.channel.state.place.layout.bounds.foreign != 0 {
             self.foreign_axis()?;
         }
-        let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
+        let Some(refusals) = self.channel.tables.rules.refusals.as_deref() else { return Ok(()) };
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         let mut asleep = if self.channel.state.cycle.rigid == 0.0 { refusals.rigid } else { 0 };
@@ -72,7 +72,7 @@ impl Kernel<'_> {
 
     /// Whether no rule can refuse the block, for any active codes.
     pub(crate) fn is_never_refused(&self) -> bool {
-        let Some(refusals) = self.plan.rules.refusals.as_deref() else { return true };
+        let Some(refusals) = self.channel.tables.rules.refusals.as_deref() else { return true };
         let block = &self.channel.block;
         let (words, free) = refusals.looked_for(block);
         let of_codes = block.pending.iter().fold(free, |bits, pending| bits | refusals.rows[pending.row]);

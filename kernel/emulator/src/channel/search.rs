@@ -118,7 +118,7 @@ impl Kernel<'_> {
 
     /// The first file of the job that defines a program of this number.
     fn in_memory(&mut self, what: &Callee) -> Result<Option<(FileId, ProgramRange)>, Halt> {
-        if !matches!(what, Callee::Program(_)) || self.plan.registers.definition.is_none() {
+        if !matches!(what, Callee::Program(_)) || self.channel.tables.registers.definition.is_none() {
             return Ok(None);
         }
         for file in 0..self.channel.env.info.files.len() as FileId {
@@ -180,8 +180,8 @@ impl Kernel<'_> {
             return Arc::clone(labels);
         }
         let mut labels = Labels::default();
-        let scanner = &self.plan.scanner;
-        let sources = self.plan.sources_of(data::LABEL);
+        let scanner = &self.channel.tables.scanner;
+        let sources = self.channel.tables.sources_of(data::LABEL);
         let mut block = Block::default();
         if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
@@ -279,7 +279,8 @@ impl Kernel<'_> {
         if self.channel.env.machine.storage.is_empty() {
             return Vec::new();
         }
-        let definition = self.plan.registers.definition.map(|register| &self.channel.env.machine.registers[register]);
+        let definition =
+            self.channel.tables.registers.definition.map(|register| &self.channel.env.machine.registers[register]);
         let mut wanted = names(what);
         if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(

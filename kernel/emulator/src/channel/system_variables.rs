@@ -164,7 +164,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let of_row = modal.row(group).map(|row| &machine.codes[row].form).and_then(|form| match form {
             CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. }
-                if Some(*register) == self.plan.registers.g =>
+                if Some(*register) == self.channel.tables.registers.g =>
             {
                 Some(*min)
             }

@@ -112,7 +112,7 @@ impl Kernel<'_> {
 
     /// Whether this is a word of a letter with which codes are written.
     fn is_code_word(&self, text: &str) -> bool {
-        let letter = text.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
+        let letter = text.bytes().next().and_then(|letter| self.channel.tables.scanner.register(letter));
         let codes = letter.is_some_and(|(register, _)| self.channel.env.machine.tables.has_codes(register));
         codes && text.get(1..).is_some_and(|rest| rest.trim_start().starts_with(|c: char| c.is_ascii_digit()))
     }
@@ -147,7 +147,7 @@ impl Kernel<'_> {
     /// The words of which a code needs one, if the machine has the code only with another word.
     fn needs(&self, text: &str) -> Option<String> {
         let machine = self.channel.env.machine;
-        let (register, _) = self.plan.scanner.register(*text.as_bytes().first()?)?;
+        let (register, _) = self.channel.tables.scanner.register(*text.as_bytes().first()?)?;
         let value = text.get(1..)?.trim().parse().ok()?;
         let rows = machine.tables.code(register, value).iter().map(|&row| &machine.codes[row]);
         let mut names: Vec<&str> = rows.flat_map(|row| &row.with).map(|&of| &*machine.registers[of].name).collect();
@@ -162,7 +162,7 @@ impl Kernel<'_> {
     /// Whether this is an address alone.
     fn is_letter(&self, text: &str) -> bool {
         match text.as_bytes() {
-            [letter] => self.plan.scanner.register(*letter).is_some(),
+            [letter] => self.channel.tables.scanner.register(*letter).is_some(),
             _ => false,
         }
     }
@@ -170,8 +170,8 @@ impl Kernel<'_> {
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.channel.block.has_any(self.plan.registers.motion) && !self.moves_by_itself();
-        let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
+        let moves = self.channel.block.has_any(self.channel.tables.registers.motion) && !self.moves_by_itself();
+        let letter = code.bytes().next().and_then(|letter| self.channel.tables.scanner.register(letter));
         let motions = self
             .channel
             .env

@@ -32,8 +32,8 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.codes.begin)(self, origin);
         }
-        if self.plan.rules.length_moves
-            && (self.channel.block.flags.special || self.channel.block.has_any(self.plan.registers.length))
+        if self.channel.tables.rules.length_moves
+            && (self.channel.block.flags.special || self.channel.block.has_any(self.channel.tables.registers.length))
         {
             self.length_words();
         }
@@ -42,7 +42,7 @@ impl Kernel<'_> {
             (hooks.codes.implied)(self);
         }
         self.check_refused()?;
-        if self.channel.block.has_any(self.plan.registers.before_codes) {
+        if self.channel.block.has_any(self.channel.tables.registers.before_codes) {
             self.words_before_codes()?;
         }
         self.sort();
@@ -66,17 +66,17 @@ impl Kernel<'_> {
     /// Words that act before the codes of their block.
     #[inline(never)]
     fn words_before_codes(&mut self) -> Acted {
-        if self.channel.block.has_any(self.plan.registers.offsets) {
+        if self.channel.block.has_any(self.channel.tables.registers.offsets) {
             self.offset_words()?;
         }
-        if self.channel.block.has_any(self.plan.registers.speed) { self.speed_before_codes() } else { Ok(()) }
+        if self.channel.block.has_any(self.channel.tables.registers.speed) { self.speed_before_codes() } else { Ok(()) }
     }
 
     /// Numbers of offsets that no code of the block takes select their offsets.
     fn offset_words(&mut self) -> Acted {
-        let takers = &self.plan.rules.number_takers;
+        let takers = &self.channel.tables.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
-        let free = self.plan.registers.offsets & !taken;
+        let free = self.channel.tables.registers.offsets & !taken;
         if self.channel.block.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
     }
 
@@ -85,23 +85,25 @@ impl Kernel<'_> {
     pub fn categorise(&mut self) -> bool {
         let machine = self.channel.env.machine;
         let mut conditional = false;
-        let mut call = self.plan.code_calls.is_some() && self.calls_by_code();
+        let mut call = self.channel.tables.code_calls.is_some() && self.calls_by_code();
         for position in 0..self.channel.block.words.len() {
             let Some(word) = self.channel.block.words.get(position) else { break };
-            if self.plan.registers.only_data & word.register.bit() != 0 {
+            if self.channel.tables.registers.only_data & word.register.bit() != 0 {
                 self.channel.block.index_word(position);
                 continue;
             }
             let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
             match candidates.first().map(|&row| (row, &machine.codes[row])) {
-                None if Some(word.register) == self.plan.registers.g => match self.macro_call_of(word.value) {
-                    Some(how) => {
-                        call |= how != MacroCall::End;
-                        self.channel.block.use_word(position);
+                None if Some(word.register) == self.channel.tables.registers.g => {
+                    match self.macro_call_of(word.value) {
+                        Some(how) => {
+                            call |= how != MacroCall::End;
+                            self.channel.block.use_word(position);
+                        }
+                        None => self.data_word(position),
                     }
-                    None => self.data_word(position),
-                },
+                }
                 None => self.data_word(position),
                 Some((index, row)) if row.with.is_empty() && row.without.is_empty() => {
                     self.channel.block.use_word(position);
@@ -124,7 +126,7 @@ impl Kernel<'_> {
                 self.channel.block.queue(row, &machine.codes[row], 0.0, false);
             }
         }
-        if self.channel.block.pending.len() > 1 && self.plan.rules.exclusive.is_some() {
+        if self.channel.block.pending.len() > 1 && self.channel.tables.rules.exclusive.is_some() {
             self.last_of_groups();
         }
         if self.channel.block.pending.len() > 1 && machine.cycles.last_of_block {
@@ -161,7 +163,7 @@ impl Kernel<'_> {
             .words
             .get(position)
             .copied()
-            .filter(|word| Some(word.register) == self.plan.registers.g)?;
+            .filter(|word| Some(word.register) == self.channel.tables.registers.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
         let fired = |pending: &PendingCode| pending.value == word.value && rows.contains(&pending.row);
         let at = self.channel.block.pending.iter().position(fired)?;
@@ -170,7 +172,7 @@ impl Kernel<'_> {
             .block
             .pending
             .get(at)
-            .and_then(|pending| Some(self.plan.rules.exclusive.as_ref()?[pending.row]))?;
+            .and_then(|pending| Some(self.channel.tables.rules.exclusive.as_ref()?[pending.row]))?;
         (group != 0).then_some((word, at, group))
     }
 
@@ -178,7 +180,7 @@ impl Kernel<'_> {
     pub(super) fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();
-        if Some(word.register) == self.plan.registers.definition {
+        if Some(word.register) == self.channel.tables.registers.definition {
             self.channel.block.use_word(position);
         } else if known {
             self.channel.block.index_word(position);
@@ -195,7 +197,7 @@ impl Kernel<'_> {
         if self.channel.block.flags.special {
             self.drop_ignored();
         }
-        if self.channel.block.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
+        if self.channel.block.has_any(self.channel.tables.registers.motion) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
         if self.channel.state.modal.refires.is_empty() {
@@ -244,7 +246,7 @@ impl Kernel<'_> {
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
-        moves && (self.channel.block.has_any(self.plan.registers.motion) || self.adds_motion())
+        moves && (self.channel.block.has_any(self.channel.tables.registers.motion) || self.adds_motion())
             || self.has_calling_data(group)
     }
 
@@ -297,7 +299,7 @@ impl Kernel<'_> {
         if row.seconds > 0.0 {
             self.take_time(row, pending);
         } else if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
-            && Some(register) == self.plan.registers.function
+            && Some(register) == self.channel.tables.registers.function
         {
             self.channel.reports.swallowed.note(pending.value);
         }
@@ -321,7 +323,7 @@ impl Kernel<'_> {
     pub fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
         if !pending.modal
             && let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
-            && Some(register) == self.plan.registers.function
+            && Some(register) == self.channel.tables.registers.function
             && !matches!(row.id, codes::CALSUB_ID | codes::CALSUB_RETURN)
         {
             self.channel.state.remembered.remember_function(pending.value);

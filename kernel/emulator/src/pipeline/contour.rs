@@ -240,7 +240,7 @@ impl Kernel<'_> {
             let text = source.line(here.line);
             self.channel.at.line = here.line;
             let held;
-            let text = if self.plan.edits.reshapes && self.is_reshaped(source) {
+            let text = if self.channel.tables.edits.reshapes && self.is_reshaped(source) {
                 held = self.reshape(text, here.line)?;
                 held.text()
             } else {
@@ -249,7 +249,7 @@ impl Kernel<'_> {
             if text.trim_ascii().is_empty() {
                 continue;
             }
-            if self.plan.edits.long_comments {
+            if self.channel.tables.edits.long_comments {
                 self.pass_long_comment(source, here.line, text)?;
             }
             (self.channel.context.text, self.channel.context.left) = (None, None);

@@ -100,7 +100,7 @@ impl Kernel<'_> {
             *direct = cycle_moves::may_move(self);
         }
         self.channel.check_stop()?;
-        if self.plan.rules.overlaps {
+        if self.channel.tables.rules.overlaps {
             self.end_functions();
         }
         match self.flow.pending {

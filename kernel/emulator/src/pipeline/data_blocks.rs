@@ -21,13 +21,17 @@ impl Kernel<'_> {
             return Ok(());
         };
         let Some(source) = sources.get(file) else { return Ok(()) };
-        let (scanner, secondary) = (&self.plan.scanner, self.channel.state.secondary);
+        let (scanner, secondary) = (&self.channel.tables.scanner, self.channel.state.secondary);
         let mut block = Block::default();
         let mut passed = 0_usize;
         let end = (next..=last).find(|&line| {
             passed += 1;
             let words = scanner.scan_as(source.line(line), secondary, &mut block, false) == ScanResult::Words;
-            words && block.words.iter().any(|word| Some(word.register) == self.plan.registers.g && word.value == END)
+            words
+                && block
+                    .words
+                    .iter()
+                    .any(|word| Some(word.register) == self.channel.tables.registers.g && word.value == END)
         });
         self.work(passed)?;
         let text = match end {

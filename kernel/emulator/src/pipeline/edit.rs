@@ -41,7 +41,7 @@ impl Kernel<'_> {
     pub fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
         let (block, only) = self.part(line, number);
         let mut text = (!only).then(|| Arc::from(block));
-        if let Some(tape) = &self.plan.edits.tape {
+        if let Some(tape) = &self.channel.tables.edits.tape {
             let (on, memory) = &mut self.channel.text.tape;
             let limit = self.channel.env.options.limits.block_length;
             let edited = tape.edit(block, &Within { on, longest: limit, stop: self.ports.control.stop() }, memory);
@@ -79,10 +79,10 @@ impl Kernel<'_> {
     /// blocks is somewhere in the file.
     #[inline(always)]
     pub fn is_reshaped(&mut self, source: &ProgramSource) -> bool {
-        let tape = self.plan.edits.tape.as_ref();
+        let tape = self.channel.tables.edits.tape.as_ref();
         if tape.is_some_and(|tape| !tape.leaves_alone(source, &self.channel.text.tape.0))
-            || self.plan.scanner.eob().is_some_and(|eob| source.has(eob))
-            || self.plan.edits.long_comments && self.flow.frames.last().is_some_and(|frame| frame.offset > 0)
+            || self.channel.tables.scanner.eob().is_some_and(|eob| source.has(eob))
+            || self.channel.tables.edits.long_comments && self.flow.frames.last().is_some_and(|frame| frame.offset > 0)
         {
             return true;
         }
@@ -98,7 +98,7 @@ impl Kernel<'_> {
         let from = std::mem::take(&mut frame.offset) as usize;
         self.flow.offset = from as u32;
         let rest = line.get(from..).unwrap_or_default();
-        let Some(end) = self.plan.scanner.block_end(rest) else { return (rest, from == 0) };
+        let Some(end) = self.channel.tables.scanner.block_end(rest) else { return (rest, from == 0) };
         let after = rest.get(end + 1..).unwrap_or_default();
         let last = after.trim_ascii().is_empty();
         if !last {
@@ -111,7 +111,7 @@ impl Kernel<'_> {
     pub fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
         let (mut from, mut found) = (0, Vec::new());
         while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
-            let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());
+            let length = self.channel.tables.scanner.block_end(rest).unwrap_or(rest.len());
             let block = rest.get(..length).unwrap_or_default();
             from += length + 1;
             if !block.trim_ascii().is_empty() {
@@ -153,14 +153,14 @@ impl Kernel<'_> {
     pub(crate) fn after(&self, spot: BlockStart) -> BlockStart {
         let file = self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file);
         let line = self.channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));
-        let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
+        let next = self.channel.tables.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
         next.map_or(BlockStart::line(spot.line + 1), |start| BlockStart { line: spot.line, offset: start as u32 })
     }
 
     /// The trace of block delete.
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
-        let (plan, own) = (self.plan, self.block_scanner());
-        let scanner = own.as_deref().unwrap_or(&plan.scanner);
+        let (tables, own) = (self.channel.tables, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&tables.scanner);
         if trace::traces(&self.channel, 'E')
             && let Some((active, left)) = scanner.without_deleted(text, text)
         {

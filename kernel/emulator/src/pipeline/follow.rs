@@ -22,7 +22,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub fn follow(&mut self) -> Acted {
         self.channel.check_stop()?;
-        if self.plan.rules.overlaps {
+        if self.channel.tables.rules.overlaps {
             self.end_functions();
         }
         let flow = &self.flow;

@@ -25,7 +25,7 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
-        if self.channel.block.has_any(self.plan.registers.speed) {
+        if self.channel.block.has_any(self.channel.tables.registers.speed) {
             (self.plan.actions.speed_word)(self)?;
         }
         if self.channel.block.has_leftovers() {
@@ -86,7 +86,7 @@ impl Kernel<'_> {
         }
         let rows = machine.tables.data_of(register);
         // Several words with different targets (H functions of Siemens) do not replace each other.
-        if !rows.is_empty() && rows.iter().all(|&row| self.plan.data.ignore[row]) {
+        if !rows.is_empty() && rows.iter().all(|&row| self.channel.tables.data.ignore[row]) {
             return;
         }
         if let Some(last) = self.again(register, position) {
@@ -98,7 +98,9 @@ impl Kernel<'_> {
         for &index in rows {
             let row = &machine.data[index];
             // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
-            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE) || self.plan.data.ignore[index] {
+            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE)
+                || self.channel.tables.data.ignore[index]
+            {
                 known = true;
                 continue;
             }
@@ -107,7 +109,7 @@ impl Kernel<'_> {
             direction |= row.id.kind() == DataKind::Orientation;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
-                let mut sources = self.plan.sources_of(row.id).iter();
+                let mut sources = self.channel.tables.sources_of(row.id).iter();
                 let counting = sources.find(|source| source.row == index && source.one.is_some());
                 let word = self.channel.block.words.get(position).filter(|_| counting.is_some());
                 let value = counting.zip(word).map_or(value, |(source, word)| self.raw(source, word));

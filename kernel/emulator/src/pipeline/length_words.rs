@@ -22,8 +22,8 @@ impl Kernel<'_> {
         let Some(slot) = self.channel.state.place.layout.cartesian.get(2).copied().flatten() else { return };
         let id = self.channel.state.place.layout.axes[slot].data;
         let stays = length == self.channel.tool_shift().at(slot);
-        let Some(source) = self.plan.sources_of(id).first() else { return };
-        if stays || self.channel.block.has_any(self.plan.registers_of(id)) || !self.moves_straight() {
+        let Some(source) = self.channel.tables.sources_of(id).first() else { return };
+        if stays || self.channel.block.has_any(self.channel.tables.registers_of(id)) || !self.moves_straight() {
             return;
         }
         let place = self.channel.block.words.len();
@@ -47,7 +47,12 @@ impl Kernel<'_> {
             CodeKind::Length { sign, .. } => Some(f64::from(sign)),
             _ => None,
         });
-        let word = self.plan.sources_of(data::COMP_LENGTH).iter().find_map(|of| self.channel.block.look(of.register));
+        let word = self
+            .channel
+            .tables
+            .sources_of(data::COMP_LENGTH)
+            .iter()
+            .find_map(|of| self.channel.block.look(of.register));
         let sign = said.or_else(|| {
             word.filter(|_| in_force.length_sign != 0.0 && self.number_is_free()).map(|_| in_force.length_sign)
         })?;
@@ -61,9 +66,9 @@ impl Kernel<'_> {
 
     /// Whether no code of the block takes the number of a length for itself.
     fn number_is_free(&self) -> bool {
-        let takers = &self.plan.rules.number_takers;
+        let takers = &self.channel.tables.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
-        self.channel.block.has_any(self.plan.registers.length & !taken)
+        self.channel.block.has_any(self.channel.tables.registers.length & !taken)
     }
 
     /// Whether the block has a straight move: no arc, no cycle, no code that has the axis words for itself.

@@ -15,7 +15,7 @@ impl Kernel<'_> {
     /// # Errors
     /// The job is to end.
     pub(crate) fn pass_long_comment(&mut self, source: &ProgramSource, line: u32, text: &[u8]) -> Acted {
-        let Some(end) = self.plan.scanner.open_comment(text) else { return Ok(()) };
+        let Some(end) = self.channel.tables.scanner.open_comment(text) else { return Ok(()) };
         let Some(frame) = self.flow.frames.last_mut() else { return Ok(()) };
         let close = source.walk(line.saturating_add(1), frame.range.last).find_map(|number| {
             let at = memchr::memmem::find(source.line(number), end)?;

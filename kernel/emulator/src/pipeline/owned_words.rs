@@ -41,7 +41,7 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn take_axis_words(&mut self, mut taken: impl FnMut(&mut Self, Word)) {
         let axes = self.channel.state.place.layout.axes.iter();
-        let registers = axes.fold(0, |bits, axis| bits | self.plan.registers_of(axis.data));
+        let registers = axes.fold(0, |bits, axis| bits | self.channel.tables.registers_of(axis.data));
         if !self.channel.block.has_any(registers) {
             return;
         }

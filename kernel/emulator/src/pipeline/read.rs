@@ -73,7 +73,7 @@ impl Kernel<'_> {
             return Err(self.too_long(text.len()));
         }
         let held;
-        let text = if self.plan.edits.reshapes && self.is_reshaped(source) {
+        let text = if self.channel.tables.edits.reshapes && self.is_reshaped(source) {
             held = self.reshape(text, line)?;
             let text = held.text();
             if text.trim_ascii().is_empty() {
@@ -83,7 +83,7 @@ impl Kernel<'_> {
         } else {
             text
         };
-        if self.plan.edits.long_comments {
+        if self.channel.tables.edits.long_comments {
             self.pass_long_comment(source, line, text)?;
         }
         if self.is_rewind_stop(text) {
@@ -127,7 +127,8 @@ impl Kernel<'_> {
     /// Whether lines of the file are blocks without changes, and no macro or trace needs their text.
     #[inline(always)]
     fn is_as_read(&mut self, source: &ProgramSource) -> bool {
-        let reshapes = self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source));
+        let reshapes =
+            self.channel.tables.edits.reshapes && (self.channel.tables.edits.long_comments || self.is_reshaped(source));
         !reshapes && self.channel.env.trace.is_none()
     }
 
@@ -148,7 +149,7 @@ impl Kernel<'_> {
         if !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
             return None;
         }
-        let end = self.plan.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;
+        let end = self.channel.tables.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;
         text.get(..end)
     }
 
@@ -273,7 +274,7 @@ impl Kernel<'_> {
         }
         let (name, shape, stop) = (
             entry.name.clone(),
-            Arc::new(ProgramDelimiters::of(machine, self.plan.scanner.syntax())),
+            Arc::new(ProgramDelimiters::of(machine, self.channel.tables.scanner.syntax())),
             self.ports.control.stop().clone(),
         );
         let (source, failure) = match self.channel.env.files.read(&name) {

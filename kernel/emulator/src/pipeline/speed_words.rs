@@ -52,12 +52,12 @@ impl Kernel<'_> {
             return false;
         };
         let idle = !row.process || row.id == codes::FUNCTION;
-        idle && !row.turns_no_spindle && Some(register) == self.plan.registers.function
+        idle && !row.turns_no_spindle && Some(register) == self.channel.tables.registers.function
     }
 
     /// The alarm of a speed beside a function without effect.
     fn refuse_speed(&mut self, function: f64, word: Word) -> Acted {
-        let Some(register) = self.plan.registers.function else { return Ok(()) };
+        let Some(register) = self.channel.tables.registers.function else { return Ok(()) };
         let machine = self.channel.env.machine;
         let function = format!("M{}", written(function, &machine.registers[register].format));
         let word = self.channel.span_text((word.start, word.end)).to_owned();
@@ -74,7 +74,7 @@ impl Kernel<'_> {
 
 /// The first speed of the block that names no spindle.
 fn plain_speed(kernel: &Kernel<'_>) -> Option<Word> {
-    let (speeds, machine) = (kernel.plan.registers.speed, kernel.channel.env.machine);
+    let (speeds, machine) = (kernel.channel.tables.registers.speed, kernel.channel.env.machine);
     let plain = |word: &&Word| speeds & word.register.bit() != 0 && machine.registers[word.register].is_regular();
     kernel.channel.block.words.iter().filter(|word| !word.used).find(plain).copied()
 }

@@ -14,8 +14,8 @@ impl Kernel<'_> {
         if preprocess && self.flow.repeats && self.plan.hooks.is_some() && self.is_known_statement() {
             return ScanResult::Statement;
         }
-        let (plan, own) = (self.plan, self.block_scanner());
-        let scanner = own.as_deref().unwrap_or(&plan.scanner);
+        let (tables, own) = (self.channel.tables, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&tables.scanner);
         let (secondary, watched) = (self.channel.state.secondary, self.flow.watched);
         match preprocess {
             true => scanner.scan(text, secondary, &mut self.channel.block, watched),

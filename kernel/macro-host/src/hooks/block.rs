@@ -37,7 +37,7 @@ impl MacroHooks<'_, '_> {
         if may_embed && embedded::embedded(self, 0)? && self.kernel.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(BlockTreatment::Dropped);
         }
-        let preprocess = self.kernel.plan.scanner.has_preprocessor();
+        let preprocess = self.kernel.channel.tables.scanner.has_preprocessor();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != BlockDecision::Drop;
         self.kernel.channel.context.preprocessed = preprocess;
         Ok(if preprocess { BlockTreatment::Preprocess } else { BlockTreatment::Plain })
@@ -73,13 +73,13 @@ impl MacroHooks<'_, '_> {
         }
         let absent =
             |mark: u8| self.kernel.channel.context.text.is_none() && text::is_line_without(&self.kernel.channel, mark);
-        if self.kernel.plan.scanner.skip_mark().is_none_or(absent) {
+        if self.kernel.channel.tables.scanner.skip_mark().is_none_or(absent) {
             self.kernel.channel.context.mark = None;
             return;
         }
         let level = match self.kernel.block_scanner() {
             Some(scanner) => scanner.first_mark(&self.kernel.channel.text_bytes()),
-            None => self.kernel.plan.scanner.first_mark(&self.kernel.channel.text_bytes()),
+            None => self.kernel.channel.tables.scanner.first_mark(&self.kernel.channel.text_bytes()),
         };
         self.kernel.channel.context.mark = level;
     }
@@ -112,7 +112,8 @@ impl MacroHooks<'_, '_> {
         if let Some(number) = self.kernel.channel.block.sequence {
             let register = self
                 .kernel
-                .plan
+                .channel
+                .tables
                 .scanner
                 .sequence()
                 .map(|register| &self.kernel.channel.env.machine.registers[register]);
@@ -159,10 +160,10 @@ impl MacroHooks<'_, '_> {
             .reading
             .switched
             .clone()
-            .map_or(self.kernel.plan.scanner.levels(), |scanner| scanner.levels());
+            .map_or(self.kernel.channel.tables.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
-        let (machine, syntax) = (self.kernel.channel.env.machine, self.kernel.plan.scanner.syntax());
+        let (machine, syntax) = (self.kernel.channel.env.machine, self.kernel.channel.tables.scanner.syntax());
         self.kernel.macros.reading.switched = Some(Arc::new(LineScanner::new(machine, syntax, &levels)));
         // Lines compiled before have the parts that were skipped then.
         self.kernel.forget_lines();

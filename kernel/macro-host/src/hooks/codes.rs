@@ -80,7 +80,7 @@ impl MacroHooks<'_, '_> {
     pub(crate) fn imply_by_data(&mut self) {
         if self.kernel.adds_motion()
             && !self.kernel.group_queued(group::MOTION)
-            && !self.kernel.channel.block.has_any(self.kernel.plan.registers.motion)
+            && !self.kernel.channel.block.has_any(self.kernel.channel.tables.registers.motion)
         {
             self.kernel.imply_motion();
         }
@@ -165,7 +165,7 @@ impl MacroHooks<'_, '_> {
     #[inline(never)]
     pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<RetrievedValue> {
         let block = &self.kernel.channel.block;
-        let absent = (block.present | RECALLED) & self.kernel.plan.data.registers_of[id] == 0;
+        let absent = (block.present | RECALLED) & self.kernel.channel.tables.data.registers_of[id] == 0;
         if absent && block.added.is_empty() && self.kernel.channel.acting.as_data.is_none() {
             return None;
         }
@@ -209,8 +209,8 @@ impl MacroHooks<'_, '_> {
             let (value, factor, modal) = self.kernel.accept(handed);
             return Some(TakenValue { value, factor, incremental: false, raw: handed.raw, modal, register: None });
         }
-        let plan = self.kernel.plan;
-        for source in plan.sources_of(id) {
+        let tables = self.kernel.channel.tables;
+        for source in tables.sources_of(id) {
             let Some(word) = self.kernel.channel.block.take(source.register) else { continue };
             let raw = self.kernel.raw(source, &word);
             let incremental = word.incremental;
@@ -228,7 +228,7 @@ impl MacroHooks<'_, '_> {
         let rows = self.kernel.channel.env.machine.tables.data(id);
         let row = rows.first().map(|&row| &self.kernel.channel.env.machine.data[row]);
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let is_x = self.kernel.plan.data.diameter_x.contains(&id);
+        let is_x = self.kernel.channel.tables.data.diameter_x.contains(&id);
         let diameter = if is_x { self.kernel.channel.position_factor(id, false) } else { 1.0 };
         let factor = self.kernel.channel.unit_factor(dimension) * diameter;
         Some(TakenValue { value, factor, incremental: false, raw: value, modal, register: None })

@@ -51,7 +51,7 @@ fn take_component(hooks: &mut MacroHooks<'_, '_>, to: usize) -> Acted {
     let before = hooks.kernel.channel.env.machine;
     (hooks.kernel.channel.env.machine, hooks.kernel.plan) = (next.machine, next.plan);
     hooks.kernel.channel.state.times.record_motions(next.plan.hooks.is_some());
-    (hooks.kernel.channel.scanner, hooks.kernel.channel.context) = (&next.plan.scanner, BlockContext::default());
+    (hooks.kernel.channel.tables, hooks.kernel.channel.context) = (&next.plan.tables, BlockContext::default());
     if first {
         hooks.set_up_macros(next.macros);
     }
@@ -66,7 +66,7 @@ fn take_component(hooks: &mut MacroHooks<'_, '_>, to: usize) -> Acted {
     take_preprocessor(hooks.kernel, before)?;
     fit_state(hooks.kernel, before);
     hooks.kernel.channel.text.tape = (
-        next.plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(),
+        next.plan.tables.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(),
         std::mem::take(&mut hooks.kernel.channel.text.tape.1),
     );
     let text = format!("component {}", next.name).into();

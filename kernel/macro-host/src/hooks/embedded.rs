@@ -22,8 +22,8 @@ const MOST_CODES: usize = 5000;
 pub(crate) fn delete_around_code(hooks: &mut MacroHooks<'_, '_>) {
     let text = hooks.kernel.channel.text_bytes().into_owned();
     let seen = without_code(hooks.kernel, &text);
-    let (plan, switched) = (hooks.kernel.plan, hooks.kernel.macros.reading.switched.clone());
-    let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+    let (tables, switched) = (hooks.kernel.channel.tables, hooks.kernel.macros.reading.switched.clone());
+    let scanner = switched.as_deref().unwrap_or(&tables.scanner);
     let Some((active, left)) = scanner.without_deleted(&text, &seen) else { return };
     let left = String::from_utf8_lossy(&left).into_owned();
     let stage = if active { TextStage::DeleteOn } else { TextStage::DeleteOff };

@@ -30,7 +30,7 @@ impl MacroHooks<'_, '_> {
 
     /// Those of a statement.
     pub(crate) fn remarks_of_statement(&mut self, text: &[u8]) -> Acted {
-        if self.kernel.may_have_remarks() || self.kernel.plan.scanner.has_messages() {
+        if self.kernel.may_have_remarks() || self.kernel.channel.tables.scanner.has_messages() {
             self.remarks(text)
         } else {
             Ok(())
@@ -41,7 +41,7 @@ impl MacroHooks<'_, '_> {
     fn remarks(&mut self, text: &[u8]) -> Acted {
         let fires = self.kernel.macros.remarks_fire(self.kernel.channel.context.preprocessed);
         self.kernel.channel.block.messages.clear();
-        for (is_message, start, end) in self.kernel.plan.scanner.remarks(text) {
+        for (is_message, start, end) in self.kernel.channel.tables.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();
             match (is_message, fires) {
                 (false, [true, _]) => self.fire_remark(codes::COMMENT, Arc::new(remark))?,

@@ -174,7 +174,7 @@ impl MacroHooks<'_, '_> {
     /// Whether a return may happen at once. It waits for the end of the interrupted block if it would end the run, or
     /// pull the text away from a pre-processor that is reading it.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
-        let has_interpreter = self.kernel.plan.scanner.syntax().needs_interpreter.is_some();
+        let has_interpreter = self.kernel.channel.tables.scanner.syntax().needs_interpreter.is_some();
         let reading = has_interpreter && self.kernel.dialect.interpreter.is_none();
         let ends = self.kernel.flow.frames.len() <= 1
             && self.kernel.channel.env.machine.subprograms.main_return == MainReturn::End;

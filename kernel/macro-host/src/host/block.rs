@@ -146,8 +146,8 @@ impl KernelHost<'_, '_> {
         if let Some(handed) = self.kernel.channel.acting.as_data.filter(|handed| handed.id == id) {
             return Some(data::handed_value(self.kernel.channel.env.machine, handed));
         }
-        let plan = self.kernel.plan;
-        for source in plan.sources_of(id) {
+        let tables = self.kernel.channel.tables;
+        for source in tables.sources_of(id) {
             if let Some(word) = self.kernel.channel.block.look(source.register) {
                 return Some(self.kernel.scaled(source, &word, self.kernel.raw(source, &word)).0);
             }

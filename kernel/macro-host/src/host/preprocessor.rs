@@ -47,7 +47,7 @@ impl KernelHost<'_, '_> {
 
     /// A setting that all pre-processors have.
     fn common_setting(&mut self, name: &str, values: &[MacroValue]) -> SettingOutcome {
-        if !self.kernel.plan.scanner.has_preprocessor() {
+        if !self.kernel.channel.tables.scanner.has_preprocessor() {
             return SettingOutcome::Unknown;
         }
         let [comments, messages] = &mut self.kernel.macros.variables.store.preprocessor.taken_off;

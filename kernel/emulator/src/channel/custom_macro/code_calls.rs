@@ -23,8 +23,8 @@ impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
     #[cold]
     pub(crate) fn calls_by_code(&mut self) -> bool {
-        let plan = self.plan;
-        let Some(calls) = plan.code_calls.as_deref() else { return false };
+        let tables = self.channel.tables;
+        let Some(calls) = tables.code_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
         if !has_any || self.has_own_call() || self.flow.calls_each_block(&self.channel.block) {
             return false;
@@ -51,7 +51,7 @@ impl Kernel<'_> {
     /// Whether a word of the block may call a program by itself, here or elsewhere.
     #[cold]
     pub(crate) fn calls_by_words(&self) -> bool {
-        let Some(calls) = self.plan.code_calls.as_deref() else { return false };
+        let Some(calls) = self.channel.tables.code_calls.as_deref() else { return false };
         self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some())
     }
 
@@ -63,7 +63,8 @@ impl Kernel<'_> {
     ) -> Option<(usize, &'c WordCall, u32, CallingWord)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
-            let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
+            let kind =
+                if Some(word.register) == self.channel.tables.registers.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
             fits.then_some((at, call, program, CallingWord { kind, variable: call.variable, value: word.value }))
         })
@@ -80,7 +81,7 @@ impl Kernel<'_> {
 
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
-        let source = self.plan.sources_of(data::CALSUB_REPEAT).first();
+        let source = self.channel.tables.sources_of(data::CALSUB_REPEAT).first();
         let at =
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };

@@ -26,7 +26,7 @@ impl Kernel<'_> {
     /// Whether a G word of the block calls by itself.
     pub(super) fn has_own_call(&self) -> bool {
         let calls = |value| self.dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
-        let is_call = |word: &Word| Some(word.register) == self.plan.registers.g && calls(word.value);
+        let is_call = |word: &Word| Some(word.register) == self.channel.tables.registers.g && calls(word.value);
         self.channel.block.words.iter().any(is_call)
     }
 }

@@ -17,16 +17,15 @@ use counterpoint_program::spot::BlockStart;
 impl Kernel<'_> {
     /// The scanner for the text of the block in process.
     fn scanner(&self) -> &LineScanner {
-        let plan = self.plan;
-        if plan.hooks.is_none() {
-            return &plan.scanner;
+        if self.plan.hooks.is_none() {
+            return &self.channel.tables.scanner;
         }
         let runtime = &*self.macros;
-        let own = match &plan.unmarked {
+        let own = match &self.channel.tables.unmarked {
             Some(scanner) if self.channel.context.made => return scanner,
             _ => &runtime.reading.switched,
         };
-        own.as_deref().unwrap_or(&plan.scanner)
+        own.as_deref().unwrap_or(&self.channel.tables.scanner)
     }
 }
 
@@ -94,8 +93,8 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]> {
-        let (plan, own) = (self.plan, self.block_scanner());
-        own.as_deref().unwrap_or(&plan.scanner).strip(text, into, &mut self.channel.block);
+        let (tables, own) = (self.channel.tables, self.block_scanner());
+        own.as_deref().unwrap_or(&tables.scanner).strip(text, into, &mut self.channel.block);
         let messages = self.channel.block.messages.as_slice().into();
         if displays && self.plan.hooks.is_none() {
             self.show_messages(text);
@@ -117,8 +116,8 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], StatementVocabulary<'_>)) {
-        let (plan, switched) = (self.plan, self.macros.reading.switched.clone());
-        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (tables, switched) = (self.channel.tables, self.macros.reading.switched.clone());
+        let scanner = switched.as_deref().unwrap_or(&tables.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), Block::default());
         for offset in scanner.block_starts(line) {
             let rest = line.get(offset..).unwrap_or_default();

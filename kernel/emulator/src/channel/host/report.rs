@@ -22,7 +22,8 @@ impl ReportHost for Kernel<'_> {
     }
 
     fn handles_messages(&self, text: &[u8]) -> bool {
-        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+        self.plan.hooks.is_some()
+            && self.channel.tables.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn report_unrecognised(&mut self, word: &str) -> Acted {

@@ -11,11 +11,11 @@ use counterpoint_program::key_words::WrittenNumber;
 
 impl WordHost for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
-        self.plan.names.is_register(name)
+        self.channel.tables.names.is_register(name)
     }
 
     fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
-        let (register, incremental) = self.plan.names.register(name)?;
+        let (register, incremental) = self.channel.tables.names.register(name)?;
         let register = &self.channel.env.machine.registers[register];
         let before = register.second.as_ref().filter(|_| incremental).unwrap_or(&register.before);
         let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
@@ -34,7 +34,7 @@ impl WordHost for Kernel<'_> {
     }
 
     fn literal(&self, text: &str) -> Option<CodeRowId> {
-        self.plan.names.text(text)
+        self.channel.tables.names.text(text)
     }
 
     fn knows_code(&self, letter: u8, value: f64) -> bool {
@@ -56,23 +56,24 @@ impl WordHost for Kernel<'_> {
     }
 
     fn register(&self, letter: u8) -> Option<(RegisterId, bool)> {
-        self.plan.scanner.register(letter)
+        self.channel.tables.scanner.register(letter)
     }
 
     fn register_named(&self, name: &str) -> Option<(RegisterId, bool)> {
-        self.plan.names.register(name)
+        self.channel.tables.names.register(name)
     }
 
     fn data_register(&self, before: &str) -> Option<(RegisterId, bool)> {
         let (register, incremental) = register_of_number(self, &format!("{before}1"))?;
-        let is_data = self.plan.registers.only_data & register.bit() != 0 && !self.plan.names.begins_text(before);
+        let is_data = self.channel.tables.registers.only_data & register.bit() != 0
+            && !self.channel.tables.names.begins_text(before);
         is_data.then_some((register, incremental))
     }
 
     fn value_register(&self, before: &str) -> Option<(RegisterId, bool)> {
         let found = register_of_number(self, &format!("{before}1"))?;
         let is_longer = |name: &[u8]| matches!(name.first(), Some(b'0'..=b'9' | b'+' | b'-' | b'.'));
-        (!self.plan.names.continues(before, is_longer)).then_some(found)
+        (!self.channel.tables.names.continues(before, is_longer)).then_some(found)
     }
 
     fn separate_text(&self, text: &str) -> Option<CodeRowId> {
@@ -80,27 +81,27 @@ impl WordHost for Kernel<'_> {
         let [row] = block.texts.as_slice() else { return None };
         let is_whole = self.literal_of(*row) == Some(text) && block.words.is_empty() && !block.has_remarks();
         let is_longer = |name: &[u8]| name.first() == Some(&b' ');
-        (is_whole && block.sequence.is_none() && !self.plan.names.continues(text, is_longer)).then_some(*row)
+        (is_whole && block.sequence.is_none() && !self.channel.tables.names.continues(text, is_longer)).then_some(*row)
     }
 
     fn begins_name(&self, text: &str) -> bool {
-        self.plan.names.continues(text, |_| true)
+        self.channel.tables.names.continues(text, |_| true)
     }
 
     fn steps(&self, register: RegisterId) -> Option<f64> {
-        let [primary, secondary] = self.plan.rules.steps.as_ref()?[register];
+        let [primary, secondary] = self.channel.tables.rules.steps.as_ref()?[register];
         Some(if self.channel.state.secondary { secondary } else { primary })
     }
 
     fn read(&mut self, register: RegisterId, number: WrittenNumber) -> f64 {
-        let (value, irregular) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
+        let (value, irregular) = self.channel.tables.scanner.reading(register, number, self.channel.state.secondary);
         self.channel.block.flags.irregular |= irregular;
         value
     }
 
     fn take_sequence(&mut self, register: RegisterId, value: f64) -> bool {
         let is_free = self.channel.block.sequence.is_none() && value >= 0.0;
-        let takes = Some(register) == self.plan.scanner.sequence() && is_free;
+        let takes = Some(register) == self.channel.tables.scanner.sequence() && is_free;
         if takes {
             self.channel.block.sequence = Some(value as u32);
         }
@@ -122,7 +123,7 @@ impl WordHost for Kernel<'_> {
             None => {
                 // Its size and its sign count; no point was written.
                 let number = WrittenNumber { value, point: true, digits: 0, fraction: 0 };
-                let (_, bits) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
+                let (_, bits) = self.channel.tables.scanner.reading(register, number, self.channel.state.secondary);
                 self.channel.block.flags.irregular |= bits & !irregular::POINT;
                 value
             }
@@ -135,11 +136,12 @@ impl WordHost for Kernel<'_> {
     }
 
     fn push_computed(&mut self, (register, incremental): (RegisterId, bool), value: f64, (start, end): (u32, u32)) {
-        let (plan, machine, secondary) = (self.plan, self.channel.env.machine, self.channel.state.secondary);
+        let (tables, machine, secondary) =
+            (self.channel.tables, self.channel.env.machine, self.channel.state.secondary);
         let value = shortest(value);
-        let (value, bits) = match plan.scanner.reading_of_value(register, value, secondary) {
+        let (value, bits) = match tables.scanner.reading_of_value(register, value, secondary) {
             Some(read) => read,
-            None => plan.scanner.reading_of(register, value.to_string().as_bytes(), secondary).unwrap_or((value, 0)),
+            None => tables.scanner.reading_of(register, value.to_string().as_bytes(), secondary).unwrap_or((value, 0)),
         };
         self.dialect.left.add(|| {
             let row = &machine.registers[register];
@@ -178,7 +180,7 @@ impl WordHost for Kernel<'_> {
         word: &str,
         (start, end): (u32, u32),
     ) -> bool {
-        let read = self.plan.scanner.reading_of(register, number.as_bytes(), self.channel.state.secondary);
+        let read = self.channel.tables.scanner.reading_of(register, number.as_bytes(), self.channel.state.secondary);
         let Some((value, bits)) = read else { return false };
         self.channel.block.flags.irregular |= bits;
         self.dialect.left.add(|| word.to_owned());
@@ -226,8 +228,8 @@ impl WordHost for Kernel<'_> {
 
 /// A text split into words, beside the block of the kernel.
 fn scanned_apart(kernel: &Kernel<'_>, text: &str) -> Block {
-    let plan = kernel.plan;
-    let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+    let tables = kernel.channel.tables;
+    let scanner = tables.unmarked.as_deref().unwrap_or(&tables.scanner);
     let mut block = Block::default();
     scanner.scan_part(text.as_bytes(), (0, text.len() as u32), kernel.channel.state.secondary, &mut block);
     block
@@ -238,7 +240,7 @@ fn register_of_number(kernel: &Kernel<'_>, text: &str) -> Option<(RegisterId, bo
     let block = scanned_apart(kernel, text);
     let one = match (block.words.as_slice(), block.sequence) {
         ([word], None) if (word.start, word.end as usize) == (0, text.len()) => (word.register, word.incremental),
-        ([], Some(_)) => (kernel.plan.scanner.sequence()?, false),
+        ([], Some(_)) => (kernel.channel.tables.scanner.sequence()?, false),
         _ => return None,
     };
     (block.texts.is_empty() && !block.has_remarks()).then_some(one)

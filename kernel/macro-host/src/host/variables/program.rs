@@ -99,7 +99,7 @@ fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<(
 }
 
 fn levels(kernel: &Kernel<'_>) -> u16 {
-    kernel.macros.reading.switched.clone().map_or(kernel.plan.scanner.levels(), |scanner| scanner.levels())
+    kernel.macros.reading.switched.clone().map_or(kernel.channel.tables.scanner.levels(), |scanner| scanner.levels())
 }
 
 /// How a variable is read and written.
