@@ -5,28 +5,32 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::coupled_axes::couples_alone;
+use counterpoint_channel::coupling::Parking;
+use counterpoint_channel::cycle::CycleHole;
+use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::offset_tables::OffsetTable;
+use counterpoint_channel::spindle::SpindleRotation;
+use counterpoint_channel::tool_data::report_tool;
+use counterpoint_channel::turning::ContourCycle;
+use counterpoint_channel::word_values::{axis_diameter_factor, block_has, read_words_again};
 use counterpoint_control_api::{NotThere, is_vacant};
+use counterpoint_emulator::channel::Kernel;
+use counterpoint_emulator::channel::custom_macro::code_calls::take_name;
+use counterpoint_emulator::trace::trace_instead;
 use counterpoint_event::event::{Motion, Position, ToolAction};
 use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_program::block::RetrievedValue;
+use counterpoint_program::data_plan::DataSource;
 use counterpoint_sync::shared::SpindleCommand;
 use counterpoint_sync::wait;
 use counterpoint_sync::wait::Wait;
 use counterpoint_waits::coupling::CoupledPair;
-
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::coupling::Parking;
-use counterpoint_channel::cycle::CycleHole;
-use counterpoint_channel::figure::CopiedFigure;
-use counterpoint_channel::offset_tables::OffsetTable;
-use counterpoint_channel::spindle::SpindleRotation;
-use counterpoint_channel::turning::ContourCycle;
-use counterpoint_emulator::channel::Kernel;
-use counterpoint_program::data_plan::DataSource;
 
 /// Lets the kernel run an action that has `execute`.
 macro_rules! run_in_context {
@@ -55,7 +59,7 @@ impl<'k, 'a> ActionContext<'k, 'a> {
     /// Reads the numbers of the block again, in the unit that the block has selected. Reports values of the part that
     /// may be in the other unit.
     pub(crate) fn unit_selected(&mut self, inch: bool) -> Acted {
-        self.kernel.read_words_again();
+        read_words_again(&mut self.kernel.channel);
         counterpoint_emulator::channel::part_data::check(self.kernel, inch)
     }
 
@@ -88,7 +92,7 @@ impl ActionContext<'_, '_> {
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
-        self.kernel.take_name()
+        take_name(&mut self.kernel.channel)
     }
 
     /// Value of a common variable, 0 without one.
@@ -109,7 +113,7 @@ impl ActionContext<'_, '_> {
 
     /// Whether a value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
-        self.kernel.block_has(id)
+        block_has(&self.kernel.channel, id)
     }
 
     /// Whether a free word that can move an axis or shape an arc is in the block.
@@ -141,7 +145,7 @@ impl ActionContext<'_, '_> {
 
     /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
     pub(crate) fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
-        self.kernel.axis_diameter_factor(axis)
+        axis_diameter_factor(&self.kernel.channel, axis)
     }
 
     /// Whether the lead of a thread and the feed per revolution are one word that stays active.
@@ -179,7 +183,7 @@ impl ActionContext<'_, '_> {
 
     /// Adds an action to the trace that takes the place of that of the next event.
     pub(crate) fn trace_instead(&mut self, text: &str) {
-        self.kernel.trace_instead(text);
+        trace_instead(&mut self.kernel.channel, text);
     }
 
     /// Records that the block has an effect that an endless loop could not hide.
@@ -264,7 +268,7 @@ impl ActionContext<'_, '_> {
 
     /// Reports the known data of the active tool if they have changed.
     pub(crate) fn report_tool(&mut self) {
-        self.kernel.report_tool();
+        report_tool(&mut self.kernel.channel, &self.kernel.macros, self.kernel.plan.hooks.is_some());
     }
 
     /// Tools and heads have a macro that is on.
@@ -402,7 +406,7 @@ impl ActionContext<'_, '_> {
 
     /// Whether the program of this channel alone has the code of synchronous control.
     pub(crate) fn couples_alone(&mut self) -> bool {
-        self.kernel.couples_alone()
+        couples_alone(&mut self.kernel.channel, &self.kernel.flow)
     }
 
     /// Ends a coupling.

@@ -14,19 +14,24 @@ mod words;
 
 use std::sync::Arc;
 
-use counterpoint_control_api::outline::{OutlineReader, OutlineStep};
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::block_places::is_reshaped;
+use counterpoint_channel::callee::Pending;
+use counterpoint_control_api::outline::OutlineReader;
+use counterpoint_control_api::outline::OutlineStep;
+use counterpoint_emulator::channel::Kernel;
+use counterpoint_emulator::pipeline::read::before_rewind_stop;
+use counterpoint_emulator::pipeline::read::is_rewind_stop;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_fault::{Acted, Halt};
+use counterpoint_fault::Acted;
+use counterpoint_fault::Halt;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_program::scan::ScanResult;
 use counterpoint_program::spot::BlockStart;
-use rustc_hash::{FxHashMap, FxHashSet};
-
-use counterpoint_channel::at::BlockPlace;
-use counterpoint_channel::callee::Pending;
-use counterpoint_emulator::channel::Kernel;
+use rustc_hash::FxHashMap;
+use rustc_hash::FxHashSet;
 
 /// Begins an expression or statement of the macro language within a block.
 const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];
@@ -131,10 +136,13 @@ impl Linter<'_, '_> {
         if text.len() > kernel.channel.env.options.limits.block_length {
             return Err(kernel.too_long(text.len()));
         }
-        let text: Arc<[u8]> =
-            if kernel.is_reshaped(source) { kernel.reshape(text, line)?.text().into() } else { text.into() };
-        let text = kernel.before_rewind_stop(&text).map(Arc::from).unwrap_or(text);
-        let blank = text.iter().all(u8::is_ascii_whitespace) || kernel.is_rewind_stop(&text);
+        let text: Arc<[u8]> = if is_reshaped(&mut kernel.channel, &kernel.flow, source) {
+            kernel.reshape(text, line)?.text().into()
+        } else {
+            text.into()
+        };
+        let text = before_rewind_stop(&kernel.channel, &text).map(Arc::from).unwrap_or(text);
+        let blank = text.iter().all(u8::is_ascii_whitespace) || is_rewind_stop(&kernel.channel, &text);
         Ok(Some(if blank { Arc::default() } else { text }))
     }
 

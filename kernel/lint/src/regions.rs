@@ -5,6 +5,10 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::RunningProgram;
+use counterpoint_channel::program_places::find_range;
 use counterpoint_control_api::Coordination as _;
 use counterpoint_control_api::outline::{CallOutline, JumpDestination, OutlineStep};
 use counterpoint_event::event::FileId;
@@ -14,9 +18,6 @@ use counterpoint_program::shape::ProgramRange;
 use super::region::{Looked, Meant, ProgramRegion, before};
 use super::statements::computed;
 use super::{Linter, MOST, Outline};
-use counterpoint_channel::at::BlockPlace;
-use counterpoint_channel::callee::Callee;
-use counterpoint_channel::flow::RunningProgram;
 
 /// Most calls within each other that are looked through.
 const DEEP: usize = 32;
@@ -51,7 +52,8 @@ impl Linter<'_, '_> {
     pub(super) fn meets_in(&mut self, what: &Callee) -> Result<Option<u32>, Halt> {
         let found = match what {
             Callee::Program(_) | Callee::ProgramFrom(..) | Callee::Named(_) => self.kernel.find_program(what)?,
-            _ => self.kernel.find_range(what).map(|range| (self.kernel.channel.at.file, range)),
+            _ => find_range(&self.kernel.channel, &mut self.kernel.flow, what)
+                .map(|range| (self.kernel.channel.at.file, range)),
         };
         match found {
             Some((file, range)) => self.meets_in_program(file, range),

@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::queued_codes::{enter_code, sort_codes};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::rows::CodeForm;
@@ -11,7 +13,6 @@ use counterpoint_program::block::PendingCode;
 
 use super::Linter;
 use super::region::{Certain, Meant};
-use counterpoint_channel::callee::{Callee, Pending};
 
 /// Codes at which channels wait or let each other continue.
 const MEETINGS: [CodeId; 15] = [
@@ -61,7 +62,7 @@ impl Linter<'_, '_> {
         }
         let called = self.kernel.categorise() || self.kernel.flow.calls_each_block(&self.kernel.channel.block);
         self.report_unknown(Certain { calls: called, computed: !computed.is_empty() });
-        self.kernel.sort();
+        sort_codes(&mut self.kernel.channel);
         let acting = self.acting();
         let needed = |name: &&String| if called { is_of_call(name) } else { !self.moves(name) };
         if (called || !acting.is_empty())
@@ -105,7 +106,7 @@ impl Linter<'_, '_> {
         if row.id == codes::BALANCE_ON {
             return Err(self.lost("balance cutting pairs the cuts of two channels, which only a run makes"));
         }
-        self.kernel.enter_code(row, pending);
+        enter_code(&mut self.kernel.channel, row, pending);
         let acted = match self.kernel.plan.action_of_row[pending.row] {
             Some(action) => action.run(self.kernel, row, &pending),
             None => Ok(()),

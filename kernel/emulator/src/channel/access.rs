@@ -3,8 +3,10 @@
 //! *Invariant:* every access of a channel passes here, with its target and whether it writes, so everything that
 //! concerns all accesses is here. Facts: reference channel-synchronisation.md 2.4.
 
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_event::event::RaceWith;
-use counterpoint_fault::{self as diag, Acted, DiagnosticFacts, Halt};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 use counterpoint_ports::options::RacePolicy;
 use counterpoint_sync::order::Order;
 use counterpoint_sync::races::{AccessMode, AccessSite, Race, RaceVariable};
@@ -12,7 +14,7 @@ use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::verdict;
 
 use super::Kernel;
-use counterpoint_channel::shared_target::SharedTarget;
+use crate::channel::passes::is_polling;
 
 /// Executes an access; a write may end loops in which other channels wait.
 fn reach<R>(order: &mut Order, mode: AccessMode, operation: impl FnOnce(&mut SharedState) -> R) -> R {
@@ -60,7 +62,8 @@ impl Kernel<'_> {
         let Some(variable) = judged.then(|| door.variable()).flatten() else {
             return self.shared_ahead(|order| reach(order, mode, operation));
         };
-        let mode = if mode == AccessMode::Read && self.is_polling() { AccessMode::Poll } else { mode };
+        let mode =
+            if mode == AccessMode::Read && is_polling(&self.channel, &self.flow) { AccessMode::Poll } else { mode };
         let at = &self.channel.at;
         let place = at.user_place();
         let own = AccessSite { channel: at.channel, file: place.file, line: place.line };

@@ -6,33 +6,32 @@
 
 use std::sync::Arc;
 
-use counterpoint_channel::RareState;
 use counterpoint_channel::arc::ArcState;
-use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::at::{BlockPlace, ExecutionPoint};
+use counterpoint_channel::burden::Burden;
+use counterpoint_channel::channel_context::{BlockText, ChannelContext, Reports};
+use counterpoint_channel::context::BlockContext;
 use counterpoint_channel::cycle::Cycle;
 use counterpoint_channel::flow::{ProgramFlow, RunningProgram};
+use counterpoint_channel::macros::runtime::Runtime;
 use counterpoint_channel::probing::Probing;
+use counterpoint_channel::queued_codes::initial_codes;
 use counterpoint_channel::thread::ThreadingState;
+use counterpoint_channel::times::TimeRecord;
+use counterpoint_channel::{ChannelMemory, RareState};
 use counterpoint_event::SourcePlace;
+use counterpoint_event::event::FileId;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::pattern::SearchMemory;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_program::shape::ProgramRange;
+use counterpoint_program::tape;
+use counterpoint_sync::tag::Tag;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::components::ComponentSelection;
 use super::dialect_state::DialectState;
-use counterpoint_channel::ChannelMemory;
-use counterpoint_channel::at::ExecutionPoint;
-use counterpoint_channel::burden::Burden;
-use counterpoint_channel::channel_context::{BlockText, ChannelContext, Reports};
-use counterpoint_channel::context::BlockContext;
-use counterpoint_channel::macros::runtime::Runtime;
-use counterpoint_channel::times::TimeRecord;
-use counterpoint_event::event::FileId;
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::macros::model::Hook;
-use counterpoint_program::shape::ProgramRange;
-use counterpoint_program::tape;
-use counterpoint_sync::tag::Tag;
 
 /// How the life of a kernel ended.
 pub struct Lived {
@@ -212,7 +211,7 @@ impl Kernel<'_> {
     pub fn start_over(&mut self, file: FileId, range: ProgramRange, name: Arc<str>, reset: bool) -> Acted {
         if reset {
             self.channel.state.forget_words(self.channel.env.machine);
-            self.initial_codes();
+            initial_codes(&mut self.channel);
             (
                 self.channel.state.place.tools.current,
                 self.channel.state.place.tools.selected,

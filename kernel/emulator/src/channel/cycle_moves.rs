@@ -4,7 +4,7 @@
 //! axis at rapid or at the feed of the active mode, or only a feed. All other blocks pass through the normal stages. So
 //! do all blocks of a cycle while a macro, a trace, a frame or another active code could make a difference.
 
-use super::Kernel;
+use counterpoint_channel::macro_queries::{has_embedded, may_have_remarks};
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_control_api::{CycleWord, MadeWord, WordHost};
 use counterpoint_event::event::FeedUnit;
@@ -17,6 +17,9 @@ use counterpoint_machine::rows::{CodeRow, Modality};
 use counterpoint_program::block::irregular;
 use counterpoint_program::data_plan::{DataSource, RECALLED};
 use counterpoint_program::key_words::WrittenNumber;
+
+use super::Kernel;
+use crate::channel::refusals::is_block_never_refused;
 
 /// Maximum number of kept blocks; cycles have few different blocks.
 const MOST: usize = 16;
@@ -84,8 +87,8 @@ fn no_macro_sees_blocks(kernel: &Kernel<'_>) -> bool {
     kernel.plan.hooks.is_none()
         || hooks.into_iter().all(|hook| kernel.macros.ready(hook).is_none())
             && kernel.macros.modes.data_codes.is_empty()
-            && !kernel.has_embedded(1)
-            && !kernel.may_have_remarks()
+            && !has_embedded(&kernel.channel, &kernel.macros, 1)
+            && !may_have_remarks(&kernel.channel, &kernel.macros)
 }
 
 /// Executes the words of a block if they are a known straight move or feed. Returns false if the block must pass
@@ -248,7 +251,7 @@ fn is_never_refused(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> bool {
         }
     }
     kernel.categorise();
-    let never = kernel.is_never_refused();
+    let never = is_block_never_refused(&kernel.channel);
     kernel.channel.block.clear();
     never
 }

@@ -2,19 +2,16 @@
 //!
 //! Facts: reference control-emulator.md 1.3. *Invariant:* a value is removed from the block at most once.
 
-use counterpoint_machine::Machine;
-
-use super::Kernel;
 use counterpoint_channel::channel_context::Handed;
-use counterpoint_event::info::MachineUnit;
+use counterpoint_channel::word_values::{counted, handed_value, recall, word_number};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::dimension::Dimension;
-use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
-use counterpoint_machine::rows::DecimalPointRule;
-use counterpoint_program::block::{RetrievedValue, Word};
-use counterpoint_program::data_plan::{DataSource, RECALLED};
+use counterpoint_program::block::RetrievedValue;
+use counterpoint_program::data_plan::RECALLED;
+
+use super::Kernel;
 
 /// Reasons why nothing may take a value of the block.
 const NOT_PROCESSED: &str = "its row is not processed";
@@ -70,24 +67,18 @@ impl Kernel<'_> {
         )
     }
 
-    /// Whether a value of `id` is in the block.
-    pub fn block_has(&self, id: DataId) -> bool {
-        let registers = self.channel.tables.data.registers_of[id];
-        self.channel.block.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
-    }
-
     /// One of the registers of `id` is in the block.
     fn take_word(&mut self, id: DataId) -> Option<RetrievedValue> {
         let tables = self.channel.tables;
         for source in tables.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
-            let raw = self.raw(source, &word);
+            let raw = word_number(&self.channel, source, &word);
             let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
             let mut value = match source.dimension {
-                Dimension::Increments => self.counted(source, &word, raw),
+                Dimension::Increments => counted(&self.channel, source, &word, raw),
                 other => (raw * source.mul + source.add) * self.channel.unit_factor(other),
             };
             if source.diameter_x {
@@ -99,90 +90,7 @@ impl Kernel<'_> {
             self.trace_data(id, value);
             return Some(RetrievedValue { value, incremental, absolute: false, raw });
         }
-        if self.refuse(id) { None } else { self.recall(id) }
-    }
-
-    /// Length of a word that counts least increments.
-    #[cold]
-    fn counted(&self, source: &DataSource, word: &Word, raw: f64) -> f64 {
-        let (value, dimension) = self.scaled(source, word, raw);
-        value * self.channel.unit_factor(dimension)
-    }
-
-    /// Number of a word for a row that does not count the last digit of its register.
-    #[cold]
-    pub(crate) fn plain(&self, source: &DataSource, word: &Word) -> f64 {
-        let register = &self.channel.env.machine.registers[word.register];
-        let format = if self.channel.state.secondary { register.secondary } else { register.format };
-        let text = self.channel.word_bytes(word);
-        let number = text.get(register.before.len()..).unwrap_or_default().trim_ascii_start();
-        let number = number.strip_prefix(b"=").unwrap_or(number).trim_ascii_start();
-        let number = number.strip_prefix(b"-").or(number.strip_prefix(b"+")).unwrap_or(number).trim_ascii();
-        // An expression has a value, not digits.
-        if number.is_empty() || !number.iter().all(u8::is_ascii_digit) {
-            return word.value;
-        }
-        let written = match format.point {
-            DecimalPointRule::Omit => (word.value * 10_f64.powi(i32::from(format.frac))).round(),
-            _ => word.value,
-        };
-        let [primary, secondary] = source.one.unwrap_or([1.0; 2]);
-        written * if self.channel.state.secondary { secondary } else { primary }
-    }
-
-    /// Reads the numbers of the block again in the formats of the current units; values of expressions do not change.
-    #[cold]
-    pub fn read_words_again(&mut self) {
-        let tables = self.channel.tables;
-        let secondary = self.channel.state.secondary;
-        for at in 0..self.channel.block.words.len() {
-            let Some(&word) = self.channel.block.words.get(at).filter(|word| !word.made) else { continue };
-            let before = self.channel.env.machine.registers[word.register].before.len();
-            let value = {
-                let line = self.channel.text_bytes();
-                let text = line.get(word.start as usize..word.end as usize).and_then(|text| text.get(before..));
-                let number =
-                    text.map(|text| text.trim_ascii_start()).map(|text| text.strip_prefix(b"=").unwrap_or(text));
-                number.and_then(|text| tables.scanner.read_again(word.register, text, secondary))
-            };
-            if let (Some(value), Some(word)) = (value, self.channel.block.words.get_mut(at)) {
-                word.value = value;
-            }
-        }
-    }
-
-    /// Number of a word, before the factor of a row.
-    pub fn raw(&self, source: &DataSource, word: &Word) -> f64 {
-        if source.one.is_some() { self.plain(source, word) } else { word.value }
-    }
-
-    /// Value of a number of a word with the factor of its row, in the unit of the program, and its dimension.
-    pub fn scaled(&self, source: &DataSource, word: &Word, raw: f64) -> (f64, Dimension) {
-        let (increments, dimension) = match source.dimension {
-            Dimension::Increments => self.counting(word),
-            other => (1.0, other),
-        };
-        (raw * increments * source.mul + source.add, dimension)
-    }
-
-    /// Number of increments of one unit of a word, and the dimension of the word: with a decimal point it is a length
-    /// (reference turning-cycles.md 1).
-    #[cold]
-    fn counting(&self, word: &Word) -> (f64, Dimension) {
-        let pointed = self.channel.word_bytes(word).contains(&b'.');
-        match (pointed, self.channel.env.machine.unit) {
-            (false, _) => (1.0, Dimension::Increments),
-            (true, MachineUnit::Mm) => (1000.0, Dimension::Length),
-            (true, MachineUnit::Inch) => (10_000.0, Dimension::Length),
-        }
-    }
-
-    /// The last value of modal data (reference control-emulator.md 1.3).
-    #[cold]
-    pub fn recall(&self, id: DataId) -> Option<RetrievedValue> {
-        let modal = self.channel.tables.data.recall.as_ref()?[id];
-        let value = self.channel.state.remembered.value(id).filter(|_| modal)?;
-        Some(RetrievedValue { value, incremental: false, absolute: false, raw: value })
+        if self.refuse(id) { None } else { recall(&self.channel, id) }
     }
 
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
@@ -235,12 +143,6 @@ impl Kernel<'_> {
         }
     }
 
-    /// The same for the positions of an axis that have words of their own.
-    pub fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
-        let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
-        if is_x && !self.channel.tables.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
-    }
-
     /// Reports a value outside the range of its row.
     pub fn out_of_range(&mut self, row: DataRowId, value: f64) {
         let row = &self.channel.env.machine.data[row];
@@ -259,13 +161,4 @@ impl Kernel<'_> {
         );
         self.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     }
-}
-
-/// The same value with the factor of its row, in the unit of the program.
-#[cold]
-pub fn handed_value(machine: &Machine, handed: Handed) -> f64 {
-    handed.row.map_or(handed.raw, |at| {
-        let row = &machine.data[at];
-        handed.raw * row.mul + row.add
-    })
 }

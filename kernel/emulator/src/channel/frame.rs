@@ -2,26 +2,16 @@
 //!
 //! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
-use super::Kernel;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::clamps::Modulo;
 use counterpoint_channel::offset_tables::OffsetTable;
 use counterpoint_event::event::{FrameShift, Kind, MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-impl Kernel<'_> {
-    /// Frame at program start.
-    pub(crate) fn initial_frame(&mut self) {
-        self.channel.state.place.shift = self.channel.wanted_shift();
-        for (position, shift) in self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift) {
-            *position -= shift;
-        }
-        if self.channel.state.place.shift != [0.0; MAX_AXES] {
-            let shift = Box::new(self.channel.state.place.shift);
-            self.channel.emit(0, Kind::Frame(FrameShift { shift }));
-        }
-    }
+use super::Kernel;
 
+impl Kernel<'_> {
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
     pub fn set_offset(&mut self, table: OffsetTable, number: u32, values: Position) -> bool {
         self.channel.hold_length(table, number);
@@ -123,5 +113,17 @@ impl Kernel<'_> {
         let text =
             format!("unwind {}={}", self.channel.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
         self.channel.emit(0, Kind::mode(text));
+    }
+}
+
+/// Frame at program start.
+pub(crate) fn initial_frame(channel: &mut ChannelContext<'_>) {
+    channel.state.place.shift = channel.wanted_shift();
+    for (position, shift) in channel.state.place.position.iter_mut().zip(channel.state.place.shift) {
+        *position -= shift;
+    }
+    if channel.state.place.shift != [0.0; MAX_AXES] {
+        let shift = Box::new(channel.state.place.shift);
+        channel.emit(0, Kind::Frame(FrameShift { shift }));
     }
 }

@@ -1,15 +1,18 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
-use counterpoint_channel::at::BlockPlace;
-use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
-use super::Kernel;
-use super::carried::Lived;
-use counterpoint_channel::flow::RunningProgram;
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::custom_diagnostics::customised;
+use counterpoint_channel::flow::{ProgramFlow, RunningProgram};
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::queued_codes::initial_codes;
+use counterpoint_channel::tool_data::report_order;
+use counterpoint_event::SourcePlace;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Phase, Verdict, VerdictKind, VerdictMember};
-use counterpoint_fault::{self as diag, DiagnosticFacts};
-use counterpoint_fault::{Acted, Halt};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
 use counterpoint_machine::ident::data;
 use counterpoint_ports::control::{ChannelActivity, Limit};
 use counterpoint_program::shape::ProgramRange;
@@ -17,6 +20,12 @@ use counterpoint_sync::order::Wake;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::verdict;
 use counterpoint_sync::wait::{Finish, Terminal};
+
+use super::Kernel;
+use super::carried::Lived;
+use crate::channel::frame::initial_frame;
+use crate::channel::parts::Ports;
+use crate::channel::report::report_softened;
 
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
@@ -57,7 +66,7 @@ impl Kernel<'_> {
             }
             again = (!self.flow.frames.is_empty()).then_some(false);
         }
-        self.leave(ending.halt);
+        leave_others(&mut self.channel, &self.ports, ending.halt);
         self.lived(ending.halt, ending.ended)
     }
 
@@ -111,7 +120,7 @@ impl Kernel<'_> {
             }
             (self.channel.state.place.frames, self.channel.state.place.clamped) = (None, 0);
             self.channel.reset_feed_group();
-            self.initial_codes();
+            initial_codes(&mut self.channel);
         }
         let range = ProgramRange { number: None, first: program.lines.0, last: program.lines.1 };
         Some((program.file, range, (*program.name).into()))
@@ -120,11 +129,11 @@ impl Kernel<'_> {
     fn begin(&mut self, file: FileId, range: ProgramRange, name: Arc<str>) -> Acted {
         let again = !self.flow.frames.is_empty();
         self.flow.frames.push(RunningProgram::main(file, range, name));
-        self.initial_codes();
+        initial_codes(&mut self.channel);
         if again {
             self.reframe();
         } else {
-            self.initial_frame();
+            initial_frame(&mut self.channel);
         }
         self.load(file)?;
         self.report_leader(file, range);
@@ -138,11 +147,11 @@ impl Kernel<'_> {
         let can_start = matches!(halt, Halt::ProgramEnd(_)) && self.channel.env.machine.sync.starts_channels();
         let mut idle = can_start && self.channel.env.machine.channels.len() > 1;
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
-            self.report_order();
+            report_order(&mut self.channel, &mut self.macros);
             self.report_separate();
             self.report_swallowed();
         }
-        self.report_softened(halt);
+        report_softened(&mut self.channel, halt);
         if let Halt::ProgramEnd(Some(stop)) = halt {
             self.channel.emit(0, Kind::Stop(stop));
         }
@@ -171,60 +180,12 @@ impl Kernel<'_> {
             });
             idle &= verdict.is_ok();
             if let Ok(Some(verdict)) = verdict {
-                self.emit_verdict(verdict);
+                emit_verdict(&mut self.channel, &self.macros, verdict);
             }
         }
         self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
         self.ports.progress.set_state(state);
         Ending { halt, ended, idle: idle && ended.is_some() }
-    }
-
-    /// Leaves the other channels for good.
-    fn leave(&mut self, halt: Halt) {
-        let (how, ..) = terminal(halt);
-        self.channel.come_to_rest();
-        self.channel.flush();
-        let SourcePlace { file, line } = self.channel.at.user_place();
-        let (channel, finish) = (self.channel.at.channel, Finish { how, file, line });
-        self.ports.coordinator.done(channel, |order| {
-            if order.waits.places.end(channel).is_none() && halt != Halt::Blocked {
-                order.waits.finish(channel, finish);
-            }
-        });
-    }
-
-    /// Logs a verdict as an event of the master, with its diagnostic.
-    pub(crate) fn emit_verdict(&mut self, verdict: Verdict) {
-        let facts: &DiagnosticFacts = match verdict.kind {
-            VerdictKind::Limit => &diag::LIMIT_REACHED,
-            _ => &diag::DEADLOCK,
-        };
-        let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
-        let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
-        let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
-        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
-        self.log_of_master((file, line), Kind::Diagnostic(Box::new(diagnostic)));
-        self.log_verdict(verdict);
-    }
-
-    /// Logs a verdict on channels whose alarms have already reported the rest.
-    pub(crate) fn log_verdict(&mut self, verdict: Verdict) {
-        let place = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
-        self.log_of_master(place, Kind::Verdict(Box::new(verdict)));
-    }
-
-    fn log_of_master(&mut self, (file, line): (FileId, u32), kind: Kind) {
-        let (t_ns, micro) = (self.channel.at.clock, self.channel.at.micro);
-        self.channel.emitter.push(Event {
-            t_ns,
-            micro,
-            dur_ns: 0,
-            channel: 0,
-            file,
-            line,
-            caller: SourcePlace::NONE,
-            kind,
-        });
     }
 
     /// Limits of the job that one channel can reach.
@@ -286,8 +247,8 @@ impl Kernel<'_> {
             self.report_polled();
         }
         let own = match limit {
-            Some(_) => self.what_it_did(reason, ":", place),
-            None => self.what_it_did(reason, "", self.channel.at.user_place()),
+            Some(_) => what_it_did(&self.channel, &self.flow, reason, ":", place),
+            None => what_it_did(&self.channel, &self.flow, reason, "", self.channel.at.user_place()),
         };
         let SourcePlace { file, line } = place;
         let verdict = self.shared(|order| {
@@ -313,28 +274,10 @@ impl Kernel<'_> {
                 if let Some(limit) = limit {
                     self.ports.control.reach(limit);
                 }
-                self.emit_verdict(verdict);
+                emit_verdict(&mut self.channel, &self.macros, verdict);
                 Halt::Stopped
             }
             Err(halt) => halt,
-        }
-    }
-
-    fn what_it_did(&self, reason: &str, colon: &str, place: SourcePlace) -> String {
-        let pass = self.flow.pass.last();
-        let name = self.channel.env.info.place_name(place.file, place.line);
-        if pass.count > 1 && !self.channel.at.caller.is_some() {
-            let (_, first, last) = pass.key;
-            format!(
-                "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name}",
-                self.channel.at.channel, pass.count
-            )
-        } else {
-            format!(
-                "channel {}{colon} {reason} at {}",
-                self.channel.at.channel,
-                verdict::place(self.channel.env.info, place.file, place.line)
-            )
         }
     }
 
@@ -344,5 +287,68 @@ impl Kernel<'_> {
         let place = verdict::place(self.channel.env.info, at.file, at.line);
         let reason = format!("polls {names} at {place}, and no channel is left to change that");
         self.stop_all(&reason, None, at)
+    }
+}
+
+/// Leaves the other channels for good.
+fn leave_others(channel: &mut ChannelContext<'_>, ports: &Ports<'_>, halt: Halt) {
+    let (how, ..) = terminal(halt);
+    channel.come_to_rest();
+    channel.flush();
+    let SourcePlace { file, line } = channel.at.user_place();
+    let (channel, finish) = (channel.at.channel, Finish { how, file, line });
+    ports.coordinator.done(channel, |order| {
+        if order.waits.places.end(channel).is_none() && halt != Halt::Blocked {
+            order.waits.finish(channel, finish);
+        }
+    });
+}
+
+/// Logs a verdict as an event of the master, with its diagnostic.
+pub(crate) fn emit_verdict(channel: &mut ChannelContext<'_>, macros: &Runtime, verdict: Verdict) {
+    let facts: &DiagnosticFacts = match verdict.kind {
+        VerdictKind::Limit => &diag::LIMIT_REACHED,
+        _ => &diag::DEADLOCK,
+    };
+    let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
+    let custom = customised(channel, macros, facts.number, (facts.severity, true), verdict.text.to_string());
+    let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
+    let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
+    log_of_master(channel, (file, line), Kind::Diagnostic(Box::new(diagnostic)));
+    log_verdict(channel, verdict);
+}
+
+/// Logs a verdict on channels whose alarms have already reported the rest.
+pub(crate) fn log_verdict(channel: &mut ChannelContext<'_>, verdict: Verdict) {
+    let place = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
+    log_of_master(channel, place, Kind::Verdict(Box::new(verdict)));
+}
+
+fn log_of_master(channel: &mut ChannelContext<'_>, (file, line): (FileId, u32), kind: Kind) {
+    let (t_ns, micro) = (channel.at.clock, channel.at.micro);
+    channel.emitter.push(Event { t_ns, micro, dur_ns: 0, channel: 0, file, line, caller: SourcePlace::NONE, kind });
+}
+
+fn what_it_did(
+    channel: &ChannelContext<'_>,
+    flow: &ProgramFlow,
+    reason: &str,
+    colon: &str,
+    place: SourcePlace,
+) -> String {
+    let pass = flow.pass.last();
+    let name = channel.env.info.place_name(place.file, place.line);
+    if pass.count > 1 && !channel.at.caller.is_some() {
+        let (_, first, last) = pass.key;
+        format!(
+            "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name}",
+            channel.at.channel, pass.count
+        )
+    } else {
+        format!(
+            "channel {}{colon} {reason} at {}",
+            channel.at.channel,
+            verdict::place(channel.env.info, place.file, place.line)
+        )
     }
 }

@@ -6,20 +6,16 @@
 
 pub mod access;
 pub mod actions;
-mod addresses;
-mod alone;
+pub mod alone;
 mod burden;
 mod calls;
 pub mod carried;
 pub mod chucks;
-mod code_time;
 pub mod components;
-mod coupling;
-pub(crate) mod custom_macro;
-mod cycle_codes;
+pub mod coupling;
+pub mod custom_macro;
 pub(crate) mod cycle_moves;
 pub mod data;
-mod diagnostics;
 pub mod dialect_state;
 mod driven_spindle;
 mod exchange;
@@ -27,7 +23,7 @@ mod fixed_stops;
 mod frame;
 pub mod hook_points;
 mod host;
-mod known_blocks;
+pub(crate) mod known_blocks;
 mod left_words;
 pub(crate) mod life;
 pub mod macro_queries;
@@ -39,24 +35,31 @@ mod passes;
 pub mod plan;
 pub mod plan_tables;
 pub(crate) mod refusals;
-pub(crate) mod report;
-mod search;
+pub mod report;
+pub mod search;
 mod separate;
 mod spindle;
-mod statement;
+pub mod statement;
 pub mod step;
 mod system_variables;
-mod tool_data;
-mod tool_events;
+pub mod tool_events;
 mod travel;
 pub mod unit_switch;
 mod unknown;
-mod unknown_codes;
+pub(crate) mod unknown_codes;
 pub(crate) mod variables;
 mod wait;
 
 use components::Components;
+use counterpoint_channel::ChannelMemory;
+use counterpoint_channel::at::ExecutionPoint;
+use counterpoint_channel::burden::Burden;
+use counterpoint_channel::channel_context::{Acting, BlockText, ChannelContext, Reports};
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::emitter::Emitter;
 use counterpoint_channel::flow::ProgramFlow;
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::pace::FeedPlanner;
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::SearchMemory;
 use counterpoint_machine::model::Channel as MachineChannel;
@@ -67,15 +70,6 @@ use counterpoint_waits::rules;
 use dialect_state::DialectState;
 use parts::{Ports, Setup};
 use plan::ExecutionPlan;
-
-use counterpoint_channel::ChannelMemory;
-use counterpoint_channel::at::ExecutionPoint;
-use counterpoint_channel::burden::Burden;
-use counterpoint_channel::channel_context::{Acting, BlockText, ChannelContext, Reports};
-use counterpoint_channel::context::BlockContext;
-use counterpoint_channel::emitter::Emitter;
-use counterpoint_channel::macros::runtime::Runtime;
-use counterpoint_channel::pace::FeedPlanner;
 
 /// The kernel of one channel.
 pub struct Kernel<'a> {
@@ -144,7 +138,7 @@ impl Kernel<'_> {
         }
         self.channel.come_to_rest();
         let tag = self.channel.at.tag();
-        self.in_order(tag, operation)
+        in_order(&mut self.channel, &self.ports, tag, operation)
     }
 
     /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the
@@ -158,7 +152,7 @@ impl Kernel<'_> {
         };
         self.channel.come_to_rest();
         let since = self.channel.emitter.held_since().unwrap_or(since);
-        self.in_order(since, operation)
+        in_order(&mut self.channel, &self.ports, since, operation)
     }
 
     /// The same while the path continues: at the time of its end as far as that is known.
@@ -174,20 +168,24 @@ impl Kernel<'_> {
         }
         let tag = Tag { t: self.channel.now(), ..self.channel.at.tag() };
         self.channel.emitter.act_in_motion(tag.t);
-        self.in_order(tag, operation)
+        in_order(&mut self.channel, &self.ports, tag, operation)
     }
+}
 
-    /// Runs a shared operation at this tag, when it is this kernel's turn.
-    fn in_order<R>(&mut self, tag: Tag, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
-        let coordinator = self.ports.coordinator;
-        self.ports.control.disturb(self.channel.at.channel);
-        let upto = self.channel.emitter.promise(&self.channel.at);
-        let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
-        let mut turn =
-            coordinator.enter_keeping((tag, upto), &mut self.channel.emitter, flush).map_err(|_| Halt::Stopped)?;
-        let result = operation(&mut turn);
-        drop(turn);
-        self.ports.control.disturb(self.channel.at.channel);
-        Ok(result)
-    }
+/// Runs a shared operation at this tag, when it is this kernel's turn.
+pub(crate) fn in_order<R>(
+    channel: &mut ChannelContext<'_>,
+    ports: &Ports<'_>,
+    tag: Tag,
+    operation: impl FnOnce(&mut Order) -> R,
+) -> Result<R, Halt> {
+    let coordinator = ports.coordinator;
+    ports.control.disturb(channel.at.channel);
+    let upto = channel.emitter.promise(&channel.at);
+    let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
+    let mut turn = coordinator.enter_keeping((tag, upto), &mut channel.emitter, flush).map_err(|_| Halt::Stopped)?;
+    let result = operation(&mut turn);
+    drop(turn);
+    ports.control.disturb(channel.at.channel);
+    Ok(result)
 }

@@ -3,16 +3,17 @@
 //! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made
 //! nevertheless.
 
+use counterpoint_channel::arc::LastMove;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::code_time::end_before_feed;
+use counterpoint_channel::stretch::{emit_move, paced};
+use counterpoint_event::event::{Kind, Motion, MotionKind};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
 use crate::channel::{chucks, exchange, fixed_stops};
-use counterpoint_event::event::{Kind, Motion, MotionKind};
-use counterpoint_fault as diag;
-
-use counterpoint_channel::arc::LastMove;
-use counterpoint_channel::stretch::{emit_move, paced};
 
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
@@ -29,7 +30,7 @@ impl Kernel<'_> {
     pub(super) fn begin_travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.check_travel_before(motion)?;
         if self.channel.tables.rules.overlaps {
-            self.end_before_feed(motion.kind);
+            end_before_feed(&mut self.channel, motion.kind);
         }
         if let Some(instead) = self.plan.motion {
             return instead(self, seconds, motion);
@@ -98,7 +99,7 @@ impl Kernel<'_> {
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
         if self.channel.tables.rules.keeps_last_move {
-            self.channel.state.arcs.last = Some(self.last_move(motion));
+            self.channel.state.arcs.last = Some(last_move(&self.channel, motion));
             self.channel.state.arcs.feed = Some((motion.feed, motion.feed_unit));
         }
         self.channel.state.place.position = motion.to;
@@ -136,24 +137,24 @@ impl Kernel<'_> {
             self.diagnose(&diag::CLAMPED, text);
         }
     }
+}
 
-    /// Data of this move for a circle tangent to it.
-    fn last_move(&self, motion: &Motion) -> LastMove {
-        let turn = match motion.kind {
-            MotionKind::ArcCw => Some(-1.0),
-            MotionKind::ArcCcw => Some(1.0),
-            _ => None,
-        };
-        let axes = motion.plane_axes.map(|axis| self.channel.state.place.layout.axes.id(usize::from(axis)));
-        match (turn, axes) {
-            (Some(turn), [Some(first), Some(second)]) => {
-                LastMove::Round { axes: [first, second], center: motion.center, turn }
-            }
-            _ => {
-                let mut by = motion.to;
-                by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
-                LastMove::By(by)
-            }
+/// Data of this move for a circle tangent to it.
+fn last_move(channel: &ChannelContext<'_>, motion: &Motion) -> LastMove {
+    let turn = match motion.kind {
+        MotionKind::ArcCw => Some(-1.0),
+        MotionKind::ArcCcw => Some(1.0),
+        _ => None,
+    };
+    let axes = motion.plane_axes.map(|axis| channel.state.place.layout.axes.id(usize::from(axis)));
+    match (turn, axes) {
+        (Some(turn), [Some(first), Some(second)]) => {
+            LastMove::Round { axes: [first, second], center: motion.center, turn }
+        }
+        _ => {
+            let mut by = motion.to;
+            by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
+            LastMove::By(by)
         }
     }
 }

@@ -6,13 +6,17 @@
 
 use std::sync::Arc;
 
-use super::Kernel;
-use counterpoint_channel::loop_tracker::MOST;
-use counterpoint_channel::loop_tracker::TrackedLoop;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
+use counterpoint_channel::loop_tracker::{MOST, TrackedLoop};
+use counterpoint_channel::macros::runtime::Runtime;
 use counterpoint_event::event::Kind;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::spin::{LoopPass, PassOutcome};
+
+use super::Kernel;
+use crate::channel::dialect_state::DialectState;
 
 impl Kernel<'_> {
     /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick.
@@ -31,7 +35,7 @@ impl Kernel<'_> {
         let key = (file, target, from);
         if let Some(passed) = self.flow.pass.again(key, depth, self.channel.at.clock) {
             if !passed {
-                self.tick();
+                pass_tick(&mut self.channel, &mut self.flow);
             }
             self.flow.pass.begin(self.channel.at.clock, self.channel.burden.steps);
             return Ok(());
@@ -46,7 +50,7 @@ impl Kernel<'_> {
                 self.flush_lookahead()?;
             }
             if pass.clock == self.channel.at.clock {
-                let tick = self.tick();
+                let tick = pass_tick(&mut self.channel, &mut self.flow);
                 pass.ticks += tick;
                 every = Some(tick);
             }
@@ -60,7 +64,7 @@ impl Kernel<'_> {
                 return self.end_lap(lap, pass, next, every);
             }
         } else if self.flow.pass.jumps > MOST {
-            self.tick();
+            pass_tick(&mut self.channel, &mut self.flow);
         }
         (next.clock, next.steps) = (self.channel.at.clock, self.channel.burden.steps);
         self.flow.pass.loops.push(next);
@@ -69,9 +73,9 @@ impl Kernel<'_> {
 
     /// Ends a pass that has only read. If it took no time but its tick, the channel may rest: `every` is the tick, ns.
     fn end_lap(&mut self, mut lap: LoopPass, pass: TrackedLoop, mut next: TrackedLoop, every: Option<i64>) -> Acted {
-        let print = self.own_print();
+        let print = own_print(&self.flow, &self.dialect);
         let begun = pass.begun.filter(|(_, before)| *before == print).map(|(changes, _)| changes);
-        let names = self.names(lap.reads);
+        let names = names(&mut self.flow, &self.macros, lap.reads);
         let changes = loop {
             let tag = self.channel.tag();
             match self.shared_ahead(|order| order.lap(tag, lap, begun, &names, every))? {
@@ -106,42 +110,42 @@ impl Kernel<'_> {
         self.channel.emit(0, Kind::mode(format!("polled {names} {passes} times")));
         Ok(passes)
     }
+}
 
-    /// The shared variables in these places, by their names in programs; made once for the passes of a loop.
-    fn names(&mut self, reads: u64) -> Arc<str> {
-        if let Some((of, names)) = &self.flow.pass.names
-            && *of == reads
-        {
-            return Arc::clone(names);
-        }
-        let read = self.flow.pass.variables.iter().enumerate().filter(|(at, _)| reads >> at & 1 == 1);
-        let names: Vec<String> = read.map(|(_, variable)| self.macros.variable_name(variable)).collect();
-        let names: Arc<str> = names.join(", ").into();
-        self.flow.pass.names = Some((reads, Arc::clone(&names)));
-        names
+/// The shared variables in these places, by their names in programs; made once for the passes of a loop.
+fn names(flow: &mut ProgramFlow, macros: &Runtime, reads: u64) -> Arc<str> {
+    if let Some((of, names)) = &flow.pass.names
+        && *of == reads
+    {
+        return Arc::clone(names);
     }
+    let read = flow.pass.variables.iter().enumerate().filter(|(at, _)| reads >> at & 1 == 1);
+    let names: Vec<String> = read.map(|(_, variable)| macros.variable_name(variable)).collect();
+    let names: Arc<str> = names.join(", ").into();
+    flow.pass.names = Some((reads, Arc::clone(&names)));
+    names
+}
 
-    /// Print of the state that determines the course of the channel besides the shared data: its variables, and the
-    /// repeats of its programs.
-    fn own_print(&self) -> u64 {
-        let repeats = self.flow.frames.iter().filter(|frame| frame.repeats > 0);
-        repeats.fold(self.dialect.variables.print(), |all, frame| {
-            (all ^ u64::from(frame.repeats)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        })
-    }
+/// Print of the state that determines the course of the channel besides the shared data: its variables, and the
+/// repeats of its programs.
+fn own_print(flow: &ProgramFlow, dialect: &DialectState) -> u64 {
+    let repeats = flow.frames.iter().filter(|frame| frame.repeats > 0);
+    repeats.fold(dialect.variables.print(), |all, frame| {
+        (all ^ u64::from(frame.repeats)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    })
+}
 
-    /// Whether a variable that is read now decides how long a loop waits.
-    pub(crate) fn is_polling(&self) -> bool {
-        let at = (self.channel.at.file, self.channel.at.line);
-        self.flow.pass.condition || self.flow.pass.looks(at, self.flow.frames.len())
-    }
+/// Whether a variable that is read now decides how long a loop waits.
+pub(crate) fn is_polling(channel: &ChannelContext<'_>, flow: &ProgramFlow) -> bool {
+    let at = (channel.at.file, channel.at.line);
+    flow.pass.condition || flow.pass.looks(at, flow.frames.len())
+}
 
-    /// Lets a tick pass, which is not progress. Returns it, ns.
-    fn tick(&mut self) -> i64 {
-        let (idle, tick) = (self.channel.at.idle_blocks, self.channel.env.machine.sync.poll_ns);
-        self.channel.advance(tick);
-        self.channel.at.idle_blocks = idle;
-        self.flow.pass.dwell(tick);
-        tick
-    }
+/// Lets a tick pass, which is not progress. Returns it, ns.
+fn pass_tick(channel: &mut ChannelContext<'_>, flow: &mut ProgramFlow) -> i64 {
+    let (idle, tick) = (channel.at.idle_blocks, channel.env.machine.sync.poll_ns);
+    channel.advance(tick);
+    channel.at.idle_blocks = idle;
+    flow.pass.dwell(tick);
+    tick
 }

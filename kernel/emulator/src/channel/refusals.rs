@@ -3,7 +3,6 @@
 //! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
 //! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
-use super::Kernel;
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -13,6 +12,8 @@ use counterpoint_machine::refusals::{Active, BlockRefusal, CodeReference, WordRu
 use counterpoint_machine::tables::form_range;
 use counterpoint_program::block::{PendingCode, Word};
 use counterpoint_program::refusal_rules::{NOTHING, WordCondition, bit};
+
+use super::Kernel;
 
 impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
@@ -70,19 +71,6 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
     }
 
-    /// Whether no rule can refuse the block, for any active codes.
-    pub(crate) fn is_never_refused(&self) -> bool {
-        let Some(refusals) = self.channel.tables.rules.refusals.as_deref() else { return true };
-        let block = &self.channel.block;
-        let (words, free) = refusals.looked_for(block);
-        let of_codes = block.pending.iter().fold(free, |bits, pending| bits | refusals.rows[pending.row]);
-        let fitting = refusals.fitting(of_codes, words);
-        let mut rules = self.channel.env.machine.diagnostics.refusals.iter().zip(0..63);
-        fitting & bit(63) == 0
-            && rules
-                .all(|(rule, at)| fitting & bit(at) == 0 || rule.word.as_ref().is_some_and(|word| !self.is_wrong(word)))
-    }
-
     #[inline(never)]
     fn refused(&mut self, rules: u64, words: u128) -> Acted {
         let machine = self.channel.env.machine;
@@ -91,9 +79,11 @@ impl Kernel<'_> {
         let rule = loop {
             if own == 0 {
                 let last = if rules & bit(63) == 0 { &[][..] } else { all.get(63..).unwrap_or_default() };
-                break last.iter().find(|rule| WordCondition::of(rule).fit(words) && self.is_refused_by(rule));
+                break last
+                    .iter()
+                    .find(|rule| WordCondition::of(rule).fit(words) && is_refused_by(&self.channel, rule));
             }
-            let rule = all.get(own.trailing_zeros() as usize).filter(|rule| self.is_refused_by(rule));
+            let rule = all.get(own.trailing_zeros() as usize).filter(|rule| is_refused_by(&self.channel, rule));
             if rule.is_some() {
                 break rule;
             }
@@ -104,33 +94,47 @@ impl Kernel<'_> {
             format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.channel.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
+}
 
-    /// Whether a rule refuses the block, whose words are as it wants them.
-    #[inline]
-    fn is_refused_by(&self, rule: &BlockRefusal) -> bool {
-        rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && has_state(&self.channel, rule)
-    }
+/// Whether no rule can refuse the block, for any active codes.
+pub(crate) fn is_block_never_refused(channel: &ChannelContext<'_>) -> bool {
+    let Some(refusals) = channel.tables.rules.refusals.as_deref() else { return true };
+    let block = &channel.block;
+    let (words, free) = refusals.looked_for(block);
+    let of_codes = block.pending.iter().fold(free, |bits, pending| bits | refusals.rows[pending.row]);
+    let fitting = refusals.fitting(of_codes, words);
+    let mut rules = channel.env.machine.diagnostics.refusals.iter().zip(0..63);
+    fitting & bit(63) == 0
+        && rules.all(|(rule, at)| {
+            fitting & bit(at) == 0 || rule.word.as_ref().is_some_and(|word| !breaks_rule(channel, word))
+        })
+}
 
-    /// Whether the block's words of a register are not as the rule wants them.
-    fn is_wrong(&self, rule: &WordRule) -> bool {
-        let mut count = 0_usize;
-        let mut wrong = false;
-        for word in self.channel.block.words.iter().filter(|word| word.register == rule.register) {
-            count += 1;
-            let value = word.value;
-            wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
-            wrong |= rule.zero && value.abs() < NOTHING;
-            wrong |= !rule.pointed && self.is_written_with_point(word);
-        }
-        wrong || rule.most.is_some_and(|most| count > usize::from(most))
-    }
+/// Whether a rule refuses the block, whose words are as it wants them.
+#[inline]
+fn is_refused_by(channel: &ChannelContext<'_>, rule: &BlockRefusal) -> bool {
+    rule.word.as_ref().is_none_or(|word| breaks_rule(channel, word)) && has_state(channel, rule)
+}
 
-    /// Whether the word is a number with a decimal point; a point within an expression does not count.
-    #[cold]
-    fn is_written_with_point(&self, word: &Word) -> bool {
-        let text = self.channel.word_bytes(word);
-        text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
+/// Whether the block's words of a register are not as the rule wants them.
+fn breaks_rule(channel: &ChannelContext<'_>, rule: &WordRule) -> bool {
+    let mut count = 0_usize;
+    let mut wrong = false;
+    for word in channel.block.words.iter().filter(|word| word.register == rule.register) {
+        count += 1;
+        let value = word.value;
+        wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
+        wrong |= rule.zero && value.abs() < NOTHING;
+        wrong |= !rule.pointed && is_written_with_point(channel, word);
     }
+    wrong || rule.most.is_some_and(|most| count > usize::from(most))
+}
+
+/// Whether the word is a number with a decimal point; a point within an expression does not count.
+#[cold]
+fn is_written_with_point(channel: &ChannelContext<'_>, word: &Word) -> bool {
+    let text = channel.word_bytes(word);
+    text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
 }
 
 /// `channel 1 has no axis (its axes are X, Y and Z)`.

@@ -5,12 +5,16 @@
 //! a number). Invariants: a diagnostic that stops the channel is in the log even if macros have switched it off; a job
 //! with an alarm never counts as succeeded, however low the severity of the alarm is.
 
-use super::Kernel;
 use counterpoint_channel::alarms::Alarms;
 use counterpoint_channel::burden::{RESULT, shortened};
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::custom_diagnostics::customised;
 use counterpoint_event::event::{Diagnostic, Kind, Unrecognised};
-use counterpoint_fault::{self as diag, DiagnosticFacts};
-use counterpoint_fault::{Acted, Halt};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, DiagnosticFacts, Halt};
+
+use super::Kernel;
+use crate::channel::parts::Ports;
 
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
@@ -56,7 +60,9 @@ impl Kernel<'_> {
 
     fn log_diagnostic(&mut self, facts: &DiagnosticFacts, text: String, stops: bool) {
         let errors = self.channel.reports.alarms.errors;
-        if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
+        if let Some((severity, text)) =
+            customised(&mut self.channel, &self.macros, facts.number, (facts.severity, stops), text)
+        {
             if let Some(hooks) = self.plan.hooks {
                 (hooks.diagnostic)(self, (facts.number, severity), text, stops);
             } else {
@@ -83,12 +89,7 @@ impl Kernel<'_> {
     /// Logs an alarm of the control and returns its effect: the channel stops, or the rest of the block is dropped.
     pub fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        self.halted(if self.channel.env.machine.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
-    }
-
-    /// The halt that ends a block; if the job is to end, nothing is an alarm any more.
-    fn halted(&self, halt: Halt) -> Halt {
-        if self.ports.control.cancelled() { Halt::Stopped } else { halt }
+        halted(&self.ports, if self.channel.env.machine.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
 
     /// Reports a call that does not find its program. Under lint the check continues after the call, unless other
@@ -108,7 +109,7 @@ impl Kernel<'_> {
     /// Logs an alarm that leaves nothing to continue with.
     pub fn fatal(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        self.halted(Halt::Alarm)
+        halted(&self.ports, Halt::Alarm)
     }
 
     /// An alarm after which the machine continues ends its block; earlier requests of the block are still executed.
@@ -124,19 +125,24 @@ impl Kernel<'_> {
             done => done,
         }
     }
+}
 
-    /// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
-    pub fn report_softened(&mut self, halt: Halt) {
-        let Alarms { errors, softened, .. } = self.channel.reports.alarms;
-        if errors > 0 || softened == 0 && halt != Halt::Alarm {
-            return;
-        }
-        let what = if halt == Halt::Alarm { "is stopped by an alarm" } else { "continued after an alarm" };
-        let text = format!("channel {} {what} that the machine reports as less than an error", self.channel.at.channel);
-        let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
-        let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
-        self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+/// The halt that ends a block; if the job is to end, nothing is an alarm any more.
+fn halted(ports: &Ports<'_>, halt: Halt) -> Halt {
+    if ports.control.cancelled() { Halt::Stopped } else { halt }
+}
+
+/// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
+pub fn report_softened(channel: &mut ChannelContext<'_>, halt: Halt) {
+    let Alarms { errors, softened, .. } = channel.reports.alarms;
+    if errors > 0 || softened == 0 && halt != Halt::Alarm {
+        return;
     }
+    let what = if halt == Halt::Alarm { "is stopped by an alarm" } else { "continued after an alarm" };
+    let text = format!("channel {} {what} that the machine reports as less than an error", channel.at.channel);
+    let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
+    let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+    channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
 }
 
 /// Reports another channel that has commanded the spindle without a sync point in between.

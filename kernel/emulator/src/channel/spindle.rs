@@ -4,19 +4,20 @@
 //! order wins, with a warning when no sync point lies between). *Invariant:* a shared spindle is reached only through
 //! shared operations; an own one is plain state of the channel.
 
-use counterpoint_fault::{Acted, Halt};
-
-use super::Kernel;
-use super::report::report_spindle_conflict;
-use super::{chucks, paired_spindles};
 use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::code_time::runs_beside;
 use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_channel::spindle::SpindleRotation;
-use counterpoint_event::event::{Kind, SpindleChange as SpindleEvent, SpindleDirection};
+use counterpoint_event::event::SpindleChange as SpindleEvent;
+use counterpoint_event::event::{Kind, SpindleDirection};
 use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::SpindleCommand;
+
+use super::report::report_spindle_conflict;
+use super::{Kernel, chucks, paired_spindles};
 
 /// Whether the spindle reverses its direction.
 fn reverses(before: SpindleDirection, after: SpindleDirection) -> bool {
@@ -125,7 +126,7 @@ impl Kernel<'_> {
         paired_spindles::note_run_up(self, id, ns)?;
         let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
-        if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {
+        if ns > 0 && runs_beside(&mut self.channel, overlap, ('S', after.round()), ns) {
             self.channel.emit(0, Kind::Spindle(event));
         } else {
             self.channel.emit(ns, Kind::Spindle(event));

@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::flow::RunningProgram;
 use counterpoint_control_api::{Interpreter, Remaining, SubprogramCall};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -12,8 +14,8 @@ use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;
 
 use super::Kernel;
-use counterpoint_channel::callee::Callee;
-use counterpoint_channel::flow::RunningProgram;
+use crate::channel::dialect_state::DialectState;
+use crate::channel::macro_queries::call_record;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.
@@ -48,7 +50,7 @@ impl Kernel<'_> {
         let made = interpreter.known_block(self, line);
         self.dialect.interpreter = Some(interpreter);
         if std::mem::take(&mut self.dialect.is_stale) {
-            self.forget_lines();
+            forget_lines(&mut self.dialect);
         }
         match made {
             Some(Ok(Remaining::Nothing)) => Ok(()),
@@ -93,14 +95,6 @@ impl Kernel<'_> {
         Some(done)
     }
 
-    /// Marks data that the interpreter has read of programs as invalid.
-    pub fn forget_lines(&mut self) {
-        match self.dialect.interpreter.as_deref_mut() {
-            Some(interpreter) => interpreter.forget_lines(),
-            None => self.dialect.is_stale = true,
-        }
-    }
-
     /// A word jumps within the program.
     pub(crate) fn interpreter_jump(&mut self, target: BlockStart) {
         if !self.flow.loops.is_empty() {
@@ -123,13 +117,6 @@ impl Kernel<'_> {
         }
     }
 
-    #[inline]
-    pub(crate) fn interpreter_repeat(&mut self) {
-        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
-            interpreter.on_repeat();
-        }
-    }
-
     /// Tells the interpreter that a subprogram has returned.
     #[inline]
     pub fn interpreter_return(&mut self) {
@@ -142,7 +129,7 @@ impl Kernel<'_> {
     pub(crate) fn call_text(&mut self, call: SubprogramCall) -> Acted {
         let SubprogramCall { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
-        let called = self.called(Callee::Named(Arc::clone(&name)), passes);
+        let called = call_record(self.plan, &self.channel, Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
         if let Some(hooks) = self.plan.hooks {
             match (hooks.program.call)(self, &called, found)? {
@@ -163,6 +150,21 @@ impl Kernel<'_> {
         let repeats = passes.saturating_sub(1);
         self.enter(RunningProgram { repeats, closes, called, ..RunningProgram::main(file, range, (*name).into()) });
         Ok(())
+    }
+}
+
+/// Marks data that the interpreter has read of programs as invalid.
+pub fn forget_lines(dialect: &mut DialectState) {
+    match dialect.interpreter.as_deref_mut() {
+        Some(interpreter) => interpreter.forget_lines(),
+        None => dialect.is_stale = true,
+    }
+}
+
+#[inline]
+pub(crate) fn interpreter_repeat(dialect: &mut DialectState) {
+    if let Some(interpreter) = dialect.interpreter.as_deref_mut() {
+        interpreter.on_repeat();
     }
 }
 

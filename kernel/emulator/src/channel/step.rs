@@ -4,8 +4,14 @@
 //! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never
 //! gets here.
 
+use counterpoint_channel::addresses::shown_words;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_event::SourcePlace;
-use counterpoint_fault::{self as diag, Acted, Halt};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::MacroValue;
 use counterpoint_ports::dialog::answers::DialogValue;
 use counterpoint_ports::step::{Go, KernelSnapshot, StepEvent, Stepper};
@@ -13,7 +19,8 @@ use counterpoint_sync::shared::SharedState;
 use counterpoint_sync::wait;
 
 use super::Kernel;
-use counterpoint_channel::shared_target::SharedTarget;
+use crate::channel::dialect_state::DialectState;
+use crate::channel::parts::Ports;
 
 /// Most variables that are shown.
 const MOST: usize = 1000;
@@ -29,7 +36,7 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         let Some(stepper) = self.ports.stepper else { return Ok(()) };
-        let hidden = self.hides_block();
+        let hidden = hides_block(&self.channel, &mut self.flow, &self.dialect);
         let at = &self.channel.at;
         if (at.caller.is_some() || hidden) && !stepper.breaks_at(SourcePlace::new(at.file, at.line)) {
             // Steps go over the blocks of resident programs.
@@ -38,11 +45,12 @@ impl Kernel<'_> {
         let (channel, clock) = (self.channel.at.channel, self.channel.emitter.bound(&self.channel.at));
         let first = self.ports.coordinator.is_furthest_behind(channel, clock);
         let variables = &self.dialect.variables;
-        let place = self.place(SourcePlace::new(self.channel.at.file, self.channel.at.line));
+        let place =
+            snapshot_of_place(&self.channel, &self.flow, SourcePlace::new(self.channel.at.file, self.channel.at.line));
         if stepper.stands(&place, first, (variables.writes(), &|| variables.with_value(MOST))) {
             return Ok(());
         }
-        self.hold(stepper);
+        wait_for_operator(&self.channel, &self.macros, &self.ports, stepper);
         if self.ports.control.cancelled() || !self.ports.coordinator.publish(channel, clock) {
             return Err(Halt::Stopped);
         }
@@ -54,27 +62,6 @@ impl Kernel<'_> {
                 Err(self.fatal(&diag::CHANNEL_RESET, text))
             }
         }
-    }
-
-    /// Whether steps go over the block because its program hides its blocks. Reads statements that hide or show blocks.
-    fn hides_block(&mut self) -> bool {
-        let at = &self.channel.at;
-        let running = self.flow.frames.len();
-        self.flow.hidden_from = self.flow.hidden_from.filter(|from| *from <= running);
-        let source = self.channel.env.sources.get(at.file);
-        let line = |line| source.map(|source| source.line(line)).unwrap_or_default();
-        // The declaration comes after the head of the program and its first comments.
-        let is_head = |text: &[u8]| matches!(text.trim_ascii_start().first(), None | Some(b'%' | b';'));
-        let begins = self.flow.frames.last().is_some_and(|frame| frame.range.first == at.line);
-        let last = self.flow.frames.last().filter(|_| begins).map_or(at.line, |frame| frame.range.last);
-        let declared = (at.line..=last).map(line).find(|text| !is_head(text));
-        let text = declared.unwrap_or_default();
-        match self.dialect.interpreter.as_deref().and_then(|interpreter| interpreter.shows_blocks(text)) {
-            Some(true) => self.flow.hidden_from = None,
-            Some(false) => self.flow.hidden_from = self.flow.hidden_from.or(Some(running)),
-            None => {}
-        }
-        self.flow.hidden_from.is_some()
     }
 
     /// The kernel comes to a wait.
@@ -106,42 +93,63 @@ impl Kernel<'_> {
 
     fn comes_to(&mut self, event: StepEvent<'_>) {
         let Some(stepper) = self.ports.stepper.filter(|_| self.channel.at.channel > 0) else { return };
-        if !self.ports.control.cancelled() && stepper.comes_to(event, &mut || self.seen()) {
-            self.hold(stepper);
+        if !self.ports.control.cancelled()
+            && stepper.comes_to(event, &mut || snapshot(&self.channel, &self.flow, &self.dialect))
+        {
+            wait_for_operator(&self.channel, &self.macros, &self.ports, stepper);
         }
     }
+}
 
-    /// Waits until the operator lets this kernel continue.
-    fn hold(&self, stepper: &dyn Stepper) {
-        let coordinator = self.ports.coordinator;
-        if !coordinator.pause_for_step() {
-            let globals = &self.macros.program.globals;
-            stepper.hold_alone(self.channel.at.channel, &mut || {
-                coordinator.unordered(|order| common(&order.shared, globals))
-            });
-        }
+/// Whether steps go over the block because its program hides its blocks. Reads statements that hide or show blocks.
+fn hides_block(channel: &ChannelContext<'_>, flow: &mut ProgramFlow, dialect: &DialectState) -> bool {
+    let at = &channel.at;
+    let running = flow.frames.len();
+    flow.hidden_from = flow.hidden_from.filter(|from| *from <= running);
+    let source = channel.env.sources.get(at.file);
+    let line = |line| source.map(|source| source.line(line)).unwrap_or_default();
+    // The declaration comes after the head of the program and its first comments.
+    let is_head = |text: &[u8]| matches!(text.trim_ascii_start().first(), None | Some(b'%' | b';'));
+    let begins = flow.frames.last().is_some_and(|frame| frame.range.first == at.line);
+    let last = flow.frames.last().filter(|_| begins).map_or(at.line, |frame| frame.range.last);
+    let declared = (at.line..=last).map(line).find(|text| !is_head(text));
+    let text = declared.unwrap_or_default();
+    match dialect.interpreter.as_deref().and_then(|interpreter| interpreter.shows_blocks(text)) {
+        Some(true) => flow.hidden_from = None,
+        Some(false) => flow.hidden_from = flow.hidden_from.or(Some(running)),
+        None => {}
     }
+    flow.hidden_from.is_some()
+}
 
-    fn seen(&self) -> KernelSnapshot {
-        KernelSnapshot {
-            variables: self.dialect.variables.with_value(MOST),
-            ..self.place(self.channel.at.user_place())
-        }
+/// Waits until the operator lets this kernel continue.
+fn wait_for_operator(channel: &ChannelContext<'_>, macros: &Runtime, ports: &Ports<'_>, stepper: &dyn Stepper) {
+    let coordinator = ports.coordinator;
+    if !coordinator.pause_for_step() {
+        let globals = &macros.program.globals;
+        stepper.hold_alone(channel.at.channel, &mut || coordinator.unordered(|order| common(&order.shared, globals)));
     }
+}
 
-    /// The same without variables.
-    fn place(&self, place: SourcePlace) -> KernelSnapshot {
-        let at = &self.channel.at;
-        KernelSnapshot {
-            channel: at.channel,
-            file: place.file,
-            line: place.line,
-            level: self.flow.frames.len().saturating_sub(1) as u32,
-            t_ns: at.clock,
-            position: self.channel.state.place.position,
-            variables: Vec::new(),
-            words: self.shown_words(),
-        }
+fn snapshot(channel: &ChannelContext<'_>, flow: &ProgramFlow, dialect: &DialectState) -> KernelSnapshot {
+    KernelSnapshot {
+        variables: dialect.variables.with_value(MOST),
+        ..snapshot_of_place(channel, flow, channel.at.user_place())
+    }
+}
+
+/// The same without variables.
+fn snapshot_of_place(channel: &ChannelContext<'_>, flow: &ProgramFlow, place: SourcePlace) -> KernelSnapshot {
+    let at = &channel.at;
+    KernelSnapshot {
+        channel: at.channel,
+        file: place.file,
+        line: place.line,
+        level: flow.frames.len().saturating_sub(1) as u32,
+        t_ns: at.clock,
+        position: channel.state.place.position,
+        variables: Vec::new(),
+        words: shown_words(channel, flow),
     }
 }
 

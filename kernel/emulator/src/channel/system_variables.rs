@@ -4,18 +4,21 @@
 //! does not move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value;
 //! nothing here depends on the clock of the computer.
 
-use super::{Kernel, unit_switch};
+use counterpoint_channel::addresses::{address_value, length_factor, main_number, tool_axis};
 use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
 use counterpoint_channel::offset_tables::{BASE, EXTENDED, OffsetTable, Radii};
-use counterpoint_channel::position::MotionState;
 use counterpoint_control_api::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
-use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::index::BySlot;
 use counterpoint_machine::model::RotaryPositioning;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_machine::system_variables::{MODAL_CALLS, Means, OffsetColumn, PositionReference};
+
+use super::{Kernel, unit_switch};
+use crate::channel::dialect_state::DialectState;
 
 /// Seconds of a day.
 const DAY: i64 = 86_400;
@@ -43,9 +46,9 @@ impl Kernel<'_> {
             means @ (Means::Milliseconds | Means::Hours | Means::Date | Means::TimeOfDay) => {
                 self.flow.pass.effects = true;
                 self.channel.come_to_rest();
-                self.shown(means, number, at).ok_or(NotThere::Missing)
+                shown(&self.channel, &self.flow, &self.dialect, means, number, at).ok_or(NotThere::Missing)
             }
-            means => self.shown(means, number, at).ok_or(NotThere::Missing),
+            means => shown(&self.channel, &self.flow, &self.dialect, means, number, at).ok_or(NotThere::Missing),
         }
     }
 
@@ -62,7 +65,7 @@ impl Kernel<'_> {
             return self.set_numbered(of + at, value);
         }
         if !row.writable {
-            let exists = self.shown(&row.means, number, at).is_some();
+            let exists = shown(&self.channel, &self.flow, &self.dialect, &row.means, number, at).is_some();
             return Err(if exists { NotThere::ReadOnly } else { NotThere::Missing });
         }
         self.flow.pass.effects = true;
@@ -110,140 +113,13 @@ impl Kernel<'_> {
         }
     }
 
-    /// Value that a row shows; none if the channel does not have it.
-    fn shown(&self, means: &Means, number: u32, at: u32) -> Option<f64> {
-        let variables = &self.channel.env.machine.variables.system;
-        let kept = &self.dialect.variables.system;
-        let clock = self.channel.now();
-        Some(match means {
-            Means::Kept(first) | Means::Bit(first) => kept.kept(number, *first),
-            Means::Bits(of) => {
-                let bits = (0..32_u32).filter(|bit| kept.kept(of + bit, 0.0) >= 0.5);
-                let sum: u32 = bits.map(|bit| 1 << bit).sum();
-                f64::from(sum as i32)
-            }
-            Means::Alias(_) => return None,
-            Means::Milliseconds => (milliseconds(clock) + kept.clocks[0]).rem_euclid(CLOCK_WRAP),
-            Means::Hours => hours(clock) + kept.clocks[1],
-            Means::Date => f64::from(date(variables.start, clock)),
-            Means::TimeOfDay => f64::from(time_of_day(variables.start.1, clock)),
-            Means::Settings => {
-                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::MachineUnit::Inch;
-                let inch = machine_inch != self.channel.state.secondary;
-                kept.kept(number, 0.0) + if inch { f64::from(INCH) } else { 0.0 }
-            }
-            Means::Mirrors => {
-                let mirror = self.channel.state.place.frame_values().mirror;
-                let linear: f64 =
-                    mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum();
-                linear + f64::from(self.channel.state.place.beside_mirrors())
-            }
-            Means::MainProgram => f64::from(self.main_number()),
-            Means::Modal(groups) => self.modal_word(*groups.get(at as usize)?),
-            Means::Address(letters) => self.address(*letters.get(at as usize)?),
-            Means::Position(frame, axes) => return self.position(*frame, axes.as_deref(), at as usize),
-            Means::WorkOffset { from, stride } => return self.work_offset_of(from + at / stride, at % stride),
-            Means::WorkOffsetAxis { from, axis } => return self.work_offset_of(from + at, u32::from(*axis)),
-            Means::ToolOffset(column, wear) => return self.tool_offset(*column, *wear, at + 1),
-        })
-    }
-
-    /// G number that is active in a group of the kernel.
-    fn modal_word(&self, (group, idle): (u16, f64)) -> f64 {
-        if group == MODAL_CALLS {
-            return self.flow.modal.word().unwrap_or(idle);
-        }
-        let modal = &self.channel.state.modal;
-        let place = &self.channel.state.place;
-        let Some(code) = modal.code(group).filter(|_| group != 0) else { return idle };
-        match code {
-            codes::COMP_WORKP_ON | codes::COMP_EXTFIXT if place.in_force.work_offset > EXTENDED => return 54.1,
-            codes::COMP_WORKP_ON => return f64::from(place.in_force.work_offset) + 53.0,
-            _ => {}
-        }
-        let machine = self.channel.env.machine;
-        let of_row = modal.row(group).map(|row| &machine.codes[row].form).and_then(|form| match form {
-            CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. }
-                if Some(*register) == self.channel.tables.registers.g =>
-            {
-                Some(*min)
-            }
-            _ => None,
-        });
-        of_row.or_else(|| machine.variables.system.word(code)).unwrap_or(idle)
-    }
-
-    /// A value by axis of the channel, in units of the program; `axes` are the X, Y and Z axes in another order.
-    fn position(&self, frame: PositionReference, axes: Option<&[u8]>, at: usize) -> Option<f64> {
-        let channel = &self.channel;
-        let layout = &channel.state.place.layout;
-        let slot = match axes {
-            None => layout.axes.id(at)?,
-            Some(axes) => layout.cartesian.get(usize::from(*axes.get(at)?)).copied().flatten()?,
-        };
-        let values = match frame {
-            PositionReference::Local => local_shift(&self.channel),
-            PositionReference::BlockEnd => channel.state.place.programmed(),
-            PositionReference::Machine => channel.state.place.machine_point(&channel.state.place.position),
-            PositionReference::Work => sum(channel.state.place.programmed(), channel.tool_shift()),
-            PositionReference::Skip => sum(channel.state.skip.end, channel.tool_shift()),
-            PositionReference::Tool => channel.tool_shift(),
-            PositionReference::Wear => self.in_force(OffsetTable::Wear),
-            PositionReference::Geometry => self.in_force(OffsetTable::Length),
-            PositionReference::Zero => [0.0; MAX_AXES],
-        };
-        let places = matches!(
-            frame,
-            PositionReference::BlockEnd
-                | PositionReference::Machine
-                | PositionReference::Work
-                | PositionReference::Skip
-        );
-        let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != RotaryPositioning::Position;
-        if places && rolls && channel.state.place.polar().is_none() {
-            // The control counts the angle alone.
-            return Some(values.at(slot).rem_euclid(360.0));
-        }
-        Some(values.at(slot) / self.length_factor(slot))
-    }
-
-    fn in_force(&self, table: OffsetTable) -> Position {
-        let number = self.channel.state.place.in_force.tool_offset;
-        if number == BASE { [0.0; MAX_AXES] } else { self.channel.offset_values(table, number) }
-    }
-
-    /// Factor from lengths of the program to those of an axis.
-    pub(super) fn length_factor(&self, axis: AxisSlot) -> f64 {
-        let turns = self.channel.state.place.layout.axes[axis].rotary;
-        if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) }
-    }
-
-    fn work_offset_of(&self, number: u32, axis: u32) -> Option<f64> {
-        let slot = self.channel.state.place.layout.axes.id(axis as usize)?;
-        Some(self.channel.offset_values(OffsetTable::Work, number).at(slot) / self.length_factor(slot))
-    }
-
     fn set_work_offset(&mut self, number: u32, axis: u32, value: f64) -> Result<(), NotThere> {
         let Some(slot) = self.channel.state.place.layout.axes.id(axis as usize) else {
             return Err(NotThere::Missing);
         };
         let mut values = self.channel.offset_values(OffsetTable::Work, number);
-        *values.at_mut(slot) = value * self.length_factor(slot);
+        *values.at_mut(slot) = value * length_factor(&self.channel, slot);
         if self.set_offset(OffsetTable::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
-    }
-
-    fn tool_offset(&self, column: OffsetColumn, wear: bool, number: u32) -> Option<f64> {
-        let channel = &self.channel;
-        let (table, radii) = tables(wear);
-        let length = channel.unit_factor(Dimension::Length);
-        match column {
-            OffsetColumn::Axis(role) => {
-                Some(channel.offset_values(table, number).at(tool_axis(&self.channel.state.place, role)?) / length)
-            }
-            OffsetColumn::Radius => Some(channel.offset_radius(radii, number) / length),
-            OffsetColumn::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
-            OffsetColumn::Tip => Some(f64::from(channel.offset_tip(number))),
-        }
     }
 
     fn set_tool_offset(&mut self, column: OffsetColumn, wear: bool, number: u32, value: f64) -> Result<(), NotThere> {
@@ -264,6 +140,134 @@ impl Kernel<'_> {
             OffsetColumn::Tip => self.channel.state.place.offsets.get_or_insert_default().set_tip(number, value),
         };
         if done { Ok(()) } else { Err(NotThere::TooBig) }
+    }
+}
+
+/// Value that a row shows; none if the channel does not have it.
+fn shown(
+    channel: &ChannelContext<'_>,
+    flow: &ProgramFlow,
+    dialect: &DialectState,
+    means: &Means,
+    number: u32,
+    at: u32,
+) -> Option<f64> {
+    let variables = &channel.env.machine.variables.system;
+    let kept = &dialect.variables.system;
+    let clock = channel.now();
+    Some(match means {
+        Means::Kept(first) | Means::Bit(first) => kept.kept(number, *first),
+        Means::Bits(of) => {
+            let bits = (0..32_u32).filter(|bit| kept.kept(of + bit, 0.0) >= 0.5);
+            let sum: u32 = bits.map(|bit| 1 << bit).sum();
+            f64::from(sum as i32)
+        }
+        Means::Alias(_) => return None,
+        Means::Milliseconds => (milliseconds(clock) + kept.clocks[0]).rem_euclid(CLOCK_WRAP),
+        Means::Hours => hours(clock) + kept.clocks[1],
+        Means::Date => f64::from(date(variables.start, clock)),
+        Means::TimeOfDay => f64::from(time_of_day(variables.start.1, clock)),
+        Means::Settings => {
+            let machine_inch = channel.env.machine.unit == counterpoint_event::info::MachineUnit::Inch;
+            let inch = machine_inch != channel.state.secondary;
+            kept.kept(number, 0.0) + if inch { f64::from(INCH) } else { 0.0 }
+        }
+        Means::Mirrors => {
+            let mirror = channel.state.place.frame_values().mirror;
+            let linear: f64 =
+                mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum();
+            linear + f64::from(channel.state.place.beside_mirrors())
+        }
+        Means::MainProgram => f64::from(main_number(channel, flow)),
+        Means::Modal(groups) => modal_word(channel, flow, *groups.get(at as usize)?),
+        Means::Address(letters) => address_value(channel, flow, *letters.get(at as usize)?),
+        Means::Position(frame, axes) => return shown_position(channel, *frame, axes.as_deref(), at as usize),
+        Means::WorkOffset { from, stride } => return work_offset_of(channel, from + at / stride, at % stride),
+        Means::WorkOffsetAxis { from, axis } => return work_offset_of(channel, from + at, u32::from(*axis)),
+        Means::ToolOffset(column, wear) => return tool_offset(channel, *column, *wear, at + 1),
+    })
+}
+
+/// G number that is active in a group of the kernel.
+fn modal_word(channel: &ChannelContext<'_>, flow: &ProgramFlow, (group, idle): (u16, f64)) -> f64 {
+    if group == MODAL_CALLS {
+        return flow.modal.word().unwrap_or(idle);
+    }
+    let modal = &channel.state.modal;
+    let place = &channel.state.place;
+    let Some(code) = modal.code(group).filter(|_| group != 0) else { return idle };
+    match code {
+        codes::COMP_WORKP_ON | codes::COMP_EXTFIXT if place.in_force.work_offset > EXTENDED => return 54.1,
+        codes::COMP_WORKP_ON => return f64::from(place.in_force.work_offset) + 53.0,
+        _ => {}
+    }
+    let machine = channel.env.machine;
+    let of_row = modal.row(group).map(|row| &machine.codes[row].form).and_then(|form| match form {
+        CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. }
+            if Some(*register) == channel.tables.registers.g =>
+        {
+            Some(*min)
+        }
+        _ => None,
+    });
+    of_row.or_else(|| machine.variables.system.word(code)).unwrap_or(idle)
+}
+
+/// A value by axis of the channel, in units of the program; `axes` are the X, Y and Z axes in another order.
+fn shown_position(
+    channel: &ChannelContext<'_>,
+    frame: PositionReference,
+    axes: Option<&[u8]>,
+    at: usize,
+) -> Option<f64> {
+    let layout = &channel.state.place.layout;
+    let slot = match axes {
+        None => layout.axes.id(at)?,
+        Some(axes) => layout.cartesian.get(usize::from(*axes.get(at)?)).copied().flatten()?,
+    };
+    let values = match frame {
+        PositionReference::Local => local_shift(channel),
+        PositionReference::BlockEnd => channel.state.place.programmed(),
+        PositionReference::Machine => channel.state.place.machine_point(&channel.state.place.position),
+        PositionReference::Work => sum(channel.state.place.programmed(), channel.tool_shift()),
+        PositionReference::Skip => sum(channel.state.skip.end, channel.tool_shift()),
+        PositionReference::Tool => channel.tool_shift(),
+        PositionReference::Wear => in_force(channel, OffsetTable::Wear),
+        PositionReference::Geometry => in_force(channel, OffsetTable::Length),
+        PositionReference::Zero => [0.0; MAX_AXES],
+    };
+    let places = matches!(
+        frame,
+        PositionReference::BlockEnd | PositionReference::Machine | PositionReference::Work | PositionReference::Skip
+    );
+    let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != RotaryPositioning::Position;
+    if places && rolls && channel.state.place.polar().is_none() {
+        // The control counts the angle alone.
+        return Some(values.at(slot).rem_euclid(360.0));
+    }
+    Some(values.at(slot) / length_factor(channel, slot))
+}
+
+fn in_force(channel: &ChannelContext<'_>, table: OffsetTable) -> Position {
+    let number = channel.state.place.in_force.tool_offset;
+    if number == BASE { [0.0; MAX_AXES] } else { channel.offset_values(table, number) }
+}
+
+fn work_offset_of(channel: &ChannelContext<'_>, number: u32, axis: u32) -> Option<f64> {
+    let slot = channel.state.place.layout.axes.id(axis as usize)?;
+    Some(channel.offset_values(OffsetTable::Work, number).at(slot) / length_factor(channel, slot))
+}
+
+fn tool_offset(channel: &ChannelContext<'_>, column: OffsetColumn, wear: bool, number: u32) -> Option<f64> {
+    let (table, radii) = tables(wear);
+    let length = channel.unit_factor(Dimension::Length);
+    match column {
+        OffsetColumn::Axis(role) => {
+            Some(channel.offset_values(table, number).at(tool_axis(&channel.state.place, role)?) / length)
+        }
+        OffsetColumn::Radius => Some(channel.offset_radius(radii, number) / length),
+        OffsetColumn::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
+        OffsetColumn::Tip => Some(f64::from(channel.offset_tip(number))),
     }
 }
 
@@ -333,10 +337,6 @@ fn local_shift(channel: &ChannelContext<'_>) -> Position {
         }
     }
     values
-}
-
-pub(super) fn tool_axis(place: &MotionState, role: u8) -> Option<AxisSlot> {
-    place.layout.cartesian.get(usize::from(role)).copied().flatten()
 }
 
 #[cfg(test)]

@@ -2,11 +2,13 @@
 //!
 //! *Invariant:* an event takes place once, with or without a macro. Facts: reference control-emulator.md 4.3.
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::code_time::{runs_beside, wait_for_index};
 use counterpoint_event::event::{Kind, ToolAction, ToolChange};
 use counterpoint_fault::Acted;
 use counterpoint_machine::rows::TimeOverlap;
 
-use super::{Kernel, code_time};
+use super::Kernel;
 
 impl Kernel<'_> {
     /// Selects or loads a tool, or changes its offset, through the macro of tools if there is one.
@@ -21,7 +23,7 @@ impl Kernel<'_> {
     pub fn head_event(&mut self, kind: f64, id: u32) -> Acted {
         match self.plan.hooks {
             Some(hooks) => (hooks.head)(self, kind, id),
-            None => self.load_head(kind, id),
+            None => load_head(&mut self.channel, kind, id),
         }
     }
 
@@ -45,9 +47,9 @@ impl Kernel<'_> {
         let overlap = self.channel.env.machine.time.tool_overlap;
         if ns > 0 && overlap != TimeOverlap::None {
             // A turret indexes once at a time.
-            code_time::wait_for_index(self);
+            wait_for_index(&mut self.channel);
         }
-        if ns > 0 && self.runs_beside(overlap, ('T', f64::from(tool)), ns) {
+        if ns > 0 && runs_beside(&mut self.channel, overlap, ('T', f64::from(tool)), ns) {
             self.channel.emit(0, event);
         } else {
             self.channel.emit(ns, event);
@@ -55,11 +57,11 @@ impl Kernel<'_> {
         }
         Ok(())
     }
+}
 
-    /// The event itself: only the listing shows it.
-    pub fn load_head(&mut self, kind: f64, id: u32) -> Acted {
-        let verb = if kind == 1.0 { "select" } else { "load" };
-        self.channel.emit(0, Kind::mode(format!("{verb} head n={id}")));
-        Ok(())
-    }
+/// The event itself: only the listing shows it.
+pub fn load_head(channel: &mut ChannelContext<'_>, kind: f64, id: u32) -> Acted {
+    let verb = if kind == 1.0 { "select" } else { "load" };
+    channel.emit(0, Kind::mode(format!("{verb} head n={id}")));
+    Ok(())
 }

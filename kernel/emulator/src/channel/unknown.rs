@@ -5,12 +5,14 @@
 //! Decision: `[control] unknown_code` selects one of the two. *Invariant:* where they are alarms, no part of the block
 //! has acted, unless a macro after the block may still recognise its text.
 
-use super::Kernel;
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::text;
+use counterpoint_channel::unknown_words::{
+    is_code_word, is_letter, is_word_like, moves_by_itself, shortened, unknown_parts, words_needed,
+};
 use counterpoint_control_api::Unknown;
-use counterpoint_fault::Acted;
-use counterpoint_fault::{self as diag, DiagnosticFacts};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, DiagnosticFacts};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeForm;
@@ -18,8 +20,10 @@ use counterpoint_program::block::irregular;
 use counterpoint_program::letter_zero::letter_for_zero;
 use rustc_hash::FxHashSet;
 
-/// Most characters of unknown text in a message.
-const MOST: usize = 60;
+use super::Kernel;
+use crate::channel::components::Components;
+use crate::channel::dialect_state::DialectState;
+use crate::channel::unknown_codes::{lacks_code, remedy_for};
 
 impl Kernel<'_> {
     /// Checks for unknown text before anything of the block acts.
@@ -53,17 +57,17 @@ impl Kernel<'_> {
     #[cold]
     fn unknown_before(&mut self) -> Acted {
         self.channel.check_stop()?;
-        let unknown = self.unknown_parts();
+        let unknown = unknown_parts(&mut self.channel);
         // A macro after the block may take text, but no word.
         let later = self.macros.ready(Hook::BlockShutdown).is_some();
-        let code = unknown.iter().find(|text| self.is_code_word(text)).cloned();
+        let code = unknown.iter().find(|text| is_code_word(&self.channel, text)).cloned();
         let first = unknown.into_iter().next().filter(|_| !later);
         if self.channel.env.machine.habits.unknown_alarms {
             let Some(what) = code.or(first) else { return Ok(()) };
-            let (facts, why) = self.not_known(&what);
+            let (facts, why) = not_known(&self.channel, &self.dialect, &self.components, &what);
             let block = self.channel.block_text();
             let hint = letter_for_zero(&what, &block);
-            let remedy = self.remedy(facts, &what);
+            let remedy = remedy_for(&self.channel, &self.components, facts, &what);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; no part of the block acts{remedy}")));
         }
         if let Some(code) = code {
@@ -72,26 +76,13 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The unrecognised parts of the block, in their order.
-    fn unknown_parts(&mut self) -> Vec<String> {
-        self.left_name();
-        let name = self.channel.block.name().filter(|_| calls_by_name(&self.channel));
-        let line = self.channel.text_bytes();
-        let spans = self.channel.block.unrecognised.iter().filter(|span| Some(**span) != name);
-        let text = |&(start, end): &(u32, u32)| {
-            let bytes = line.get(start as usize..end as usize).unwrap_or_default();
-            String::from_utf8_lossy(bytes).trim().to_owned()
-        };
-        spans.map(text).collect()
-    }
-
     /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel; `computed`:
     /// the block may have the words that its codes need.
     #[cold]
     pub fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>, computed: bool) {
         let stopping = self.channel.reports.alarms.stopping;
-        for part in self.unknown_parts() {
-            if computed && self.needs(&shortened(&part)).is_some() {
+        for part in unknown_parts(&mut self.channel) {
+            if computed && words_needed(&self.channel, &shortened(&part)).is_some() {
                 continue;
             }
             if !known.insert(part.clone()) {
@@ -100,8 +91,8 @@ impl Kernel<'_> {
             let block = self.channel.block_text();
             let hint = letter_for_zero(&part, &block);
             if self.channel.env.machine.habits.unknown_alarms {
-                let (facts, why) = self.not_known(&part);
-                let remedy = self.remedy(facts, &part);
+                let (facts, why) = not_known(&self.channel, &self.dialect, &self.components, &part);
+                let remedy = remedy_for(&self.channel, &self.components, facts, &part);
                 self.diagnose(facts, format!("{why} in '{block}'{hint}{remedy}"));
             } else {
                 self.report_unrecognised(&shortened(&part), format!("'{block}'{hint}"));
@@ -110,67 +101,10 @@ impl Kernel<'_> {
         self.channel.reports.alarms.stopping = stopping;
     }
 
-    /// Whether this is a word of a letter with which codes are written.
-    fn is_code_word(&self, text: &str) -> bool {
-        let letter = text.bytes().next().and_then(|letter| self.channel.tables.scanner.register(letter));
-        let codes = letter.is_some_and(|(register, _)| self.channel.env.machine.tables.has_codes(register));
-        codes && text.get(1..).is_some_and(|rest| rest.trim_start().starts_with(|c: char| c.is_ascii_digit()))
-    }
-
-    /// The control's alarm for unknown text.
-    fn not_known(&self, text: &str) -> (&'static DiagnosticFacts, String) {
-        let text = shortened(text);
-        let is_g = text.starts_with(['G', 'g']);
-        let dialect = self.dialect.kind;
-        if let Some(needs) = self.needs(&text) {
-            return (&diag::CODE_NEEDS, format!("{text} needs {needs} in its block"));
-        }
-        if self.is_code_word(&text) {
-            let lacks = self.lacks(&text);
-            // A machine with words of its own for it names its own alarm.
-            let rule = self.channel.env.machine.diagnostics.rule(diag::UNKNOWN_CODE.number);
-            let named = rule.is_some_and(|rule| rule.text.is_some());
-            let why = match dialect.unknown_g_code().filter(|_| is_g && !named) {
-                Some(alarm) => format!("{alarm}: {lacks}"),
-                None => lacks,
-            };
-            return (&diag::UNKNOWN_CODE, why);
-        }
-        let kind = match () {
-            () if is_word_like(&text) => Unknown::Word,
-            () if self.is_letter(&text) => Unknown::Address,
-            () => Unknown::Text,
-        };
-        (&diag::UNKNOWN_TEXT, dialect.unknown_text(&text, kind))
-    }
-
-    /// The words of which a code needs one, if the machine has the code only with another word.
-    fn needs(&self, text: &str) -> Option<String> {
-        let machine = self.channel.env.machine;
-        let (register, _) = self.channel.tables.scanner.register(*text.as_bytes().first()?)?;
-        let value = text.get(1..)?.trim().parse().ok()?;
-        let rows = machine.tables.code(register, value).iter().map(|&row| &machine.codes[row]);
-        let mut names: Vec<&str> = rows.flat_map(|row| &row.with).map(|&of| &*machine.registers[of].name).collect();
-        names.sort_unstable();
-        names.dedup();
-        match names.split_last()? {
-            (last, []) => Some((*last).to_owned()),
-            (last, others) => Some(format!("{} or {last}", others.join(", "))),
-        }
-    }
-
-    /// Whether this is an address alone.
-    fn is_letter(&self, text: &str) -> bool {
-        match text.as_bytes() {
-            [letter] => self.channel.tables.scanner.register(*letter).is_some(),
-            _ => false,
-        }
-    }
-
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.channel.block.has_any(self.channel.tables.registers.motion) && !self.moves_by_itself();
+        let moves = self.channel.block.has_any(self.channel.tables.registers.motion) && !moves_by_itself(&self.channel);
         let letter = code.bytes().next().and_then(|letter| self.channel.tables.scanner.register(letter));
         let motions = self
             .channel
@@ -190,11 +124,6 @@ impl Kernel<'_> {
         }
     }
 
-    /// Whether a motion code is written in the block.
-    fn moves_by_itself(&self) -> bool {
-        self.group_queued(counterpoint_channel::modal::group::MOTION)
-    }
-
     /// The text that is unrecognised after all codes have acted.
     pub(crate) fn unknown_text(&mut self) -> Acted {
         let left = text::left_text(&self.channel);
@@ -205,8 +134,8 @@ impl Kernel<'_> {
         let block = self.channel.block_text();
         let hint = letter_for_zero(&text, &block);
         if self.channel.env.machine.habits.unknown_alarms {
-            let (facts, why) = self.not_known(&text);
-            let remedy = self.remedy(facts, &text);
+            let (facts, why) = not_known(&self.channel, &self.dialect, &self.components, &text);
+            let remedy = remedy_for(&self.channel, &self.components, facts, &text);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));
         }
         self.report_unrecognised(&text, format!("'{block}'{hint}"));
@@ -214,21 +143,34 @@ impl Kernel<'_> {
     }
 }
 
-pub(super) fn shortened(text: &str) -> String {
-    if text.chars().count() <= MOST {
-        return text.to_owned();
+/// The control's alarm for unknown text.
+fn not_known(
+    channel: &ChannelContext<'_>,
+    dialect: &DialectState,
+    components: &Components<'_>,
+    text: &str,
+) -> (&'static DiagnosticFacts, String) {
+    let text = shortened(text);
+    let is_g = text.starts_with(['G', 'g']);
+    let dialect = dialect.kind;
+    if let Some(needs) = words_needed(channel, &text) {
+        return (&diag::CODE_NEEDS, format!("{text} needs {needs} in its block"));
     }
-    text.chars().take(MOST - 3).chain("...".chars()).collect()
-}
-
-/// Whether a code of the block takes a program name.
-fn calls_by_name(channel: &ChannelContext<'_>) -> bool {
-    let mut rows = channel.block.pending.iter().map(|pending| &channel.env.machine.codes[pending.row]);
-    rows.any(|row| row.id == codes::CALSUB_ID)
-}
-
-/// A letter and a number.
-fn is_word_like(text: &str) -> bool {
-    let rest = text.strip_prefix(|c: char| c.is_ascii_alphabetic()).map(str::trim_start);
-    rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
+    if is_code_word(channel, &text) {
+        let lacks = lacks_code(channel, components, &text);
+        // A machine with words of its own for it names its own alarm.
+        let rule = channel.env.machine.diagnostics.rule(diag::UNKNOWN_CODE.number);
+        let named = rule.is_some_and(|rule| rule.text.is_some());
+        let why = match dialect.unknown_g_code().filter(|_| is_g && !named) {
+            Some(alarm) => format!("{alarm}: {lacks}"),
+            None => lacks,
+        };
+        return (&diag::UNKNOWN_CODE, why);
+    }
+    let kind = match () {
+        () if is_word_like(&text) => Unknown::Word,
+        () if is_letter(channel, &text) => Unknown::Address,
+        () => Unknown::Text,
+    };
+    (&diag::UNKNOWN_TEXT, dialect.unknown_text(&text, kind))
 }

@@ -3,12 +3,14 @@
 //! Facts: reference channel-synchronisation.md 1.3 (variable ranges) and control-emulator.md 5.4. *Invariant:* common
 //! variables are touched only in shared operations.
 
-use super::Kernel;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::channel_variables::within;
 use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_control_api::{NotThere, VACANT, is_vacant};
 use counterpoint_fault::Halt;
 use counterpoint_sync::races::AccessMode;
+
+use super::Kernel;
 
 /// Value of a numbered variable, if the machine has the variable and it is not vacant.
 pub(super) fn value_of_variable(kernel: &mut Kernel<'_>, index: u32) -> Result<Option<f64>, Halt> {
@@ -20,12 +22,6 @@ pub(super) fn value_of_variable(kernel: &mut Kernel<'_>, index: u32) -> Result<O
 }
 
 impl Kernel<'_> {
-    /// Whether this is a common variable, of all channels or of this one.
-    pub(crate) fn is_common(&self, index: u32) -> bool {
-        within(&self.channel.env.machine.variables.shared, index)
-            || within(&self.channel.env.machine.variables.channel, index)
-    }
-
     /// Value of a numbered variable.
     ///
     /// # Errors
@@ -64,6 +60,11 @@ impl Kernel<'_> {
             },
         }
     }
+}
+
+/// Whether this is a common variable, of all channels or of this one.
+pub(crate) fn is_common(channel: &ChannelContext<'_>, index: u32) -> bool {
+    within(&channel.env.machine.variables.shared, index) || within(&channel.env.machine.variables.channel, index)
 }
 
 impl Kernel<'_> {

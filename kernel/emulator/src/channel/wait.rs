@@ -3,25 +3,28 @@
 //! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared
 //! operations; `sync` defines the meaning of a wait.
 
-use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
-use counterpoint_fault::{Acted, Halt};
-
-use super::Kernel;
 use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::coupled_axes::hears_of_couplings;
+use counterpoint_event::SourcePlace;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, WaitArrival};
 use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_ports::control::ChannelActivity;
-use counterpoint_sync::Letter;
 use counterpoint_sync::coordinator::turn::MeetOutcome;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::ArrivalReply;
 use counterpoint_sync::order::idle::StartableProgram;
 use counterpoint_sync::tag::Tag;
-use counterpoint_sync::wait::{self, Finish, Terminal, WaitingChannel};
+use counterpoint_sync::wait::{Finish, Terminal, WaitingChannel};
 use counterpoint_sync::waits::ShortfallReason;
+use counterpoint_sync::{Letter, wait};
 use counterpoint_waits::is_passed_in_motion;
+
+use super::Kernel;
+use crate::channel::in_order;
+use crate::channel::life::{emit_verdict, log_verdict};
 
 impl Kernel<'_> {
     /// Selects the program of another channel, or none.
@@ -45,7 +48,7 @@ impl Kernel<'_> {
         } else {
             self.wait_plainly(wait)?;
         }
-        if wait.primitive == Primitive::Barrier && self.hears_of_couplings() {
+        if wait.primitive == Primitive::Barrier && hears_of_couplings(&mut self.channel, &self.flow) {
             return self.learn_couplings();
         }
         Ok(())
@@ -217,12 +220,13 @@ impl Kernel<'_> {
         let SourcePlace { file, line } = self.channel.at.user_place();
         let own = Finish { how: Terminal::Alarmed, file, line };
         let (waiting, info) = (WaitingChannel { wait, tag, file, line }, self.channel.env.info);
-        let (after, warning) = self.in_order(tag, |order| order.arrive_in_motion(waiting, own, info))?;
+        let (after, warning) =
+            in_order(&mut self.channel, &self.ports, tag, |order| order.arrive_in_motion(waiting, own, info))?;
         let (after, wake) = match after {
             ArrivalReply::Stand(_) => {
                 // Channels that arrive at the same instant are in time.
                 let stop = Tag { micro: u32::MAX, ..tag };
-                match self.in_order(stop, |order| order.stops(stop, info))? {
+                match in_order(&mut self.channel, &self.ports, stop, |order| order.stops(stop, info))? {
                     Ok(wake) => (ArrivalReply::Stand(None), Some(wake)),
                     Err(verdict) => (ArrivalReply::Stand(verdict), None),
                 }
@@ -339,7 +343,7 @@ fn follow(kernel: &mut Kernel<'_>, after: ArrivalReply, logged: &Logged) -> Acte
         }
         ArrivalReply::Alarm { text, verdict } => {
             let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
-            kernel.log_verdict(verdict);
+            log_verdict(&mut kernel.channel, verdict);
             Err(halt)
         }
         ArrivalReply::Illegal { text } => Err(impossible(kernel, &text)),
@@ -372,7 +376,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
 /// Waits until another channel ends the wait that this one is blocked at.
 fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> Acted {
     if let Some(verdict) = verdict {
-        kernel.emit_verdict(verdict);
+        emit_verdict(&mut kernel.channel, &kernel.macros, verdict);
     }
     let (coordinator, channel) = (kernel.ports.coordinator, kernel.channel.at.channel);
     let wake = coordinator.wait(channel, kernel, |kernel| {

@@ -8,6 +8,14 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::block_places::{block_after, is_reshaped};
+use counterpoint_channel::callee::Callee;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::{CallRecord, ProgramFlow, RunningProgram};
+use counterpoint_channel::modal::group;
+use counterpoint_channel::program_places::find_range;
+use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 use counterpoint_control_api::SubprogramCall;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
@@ -18,11 +26,6 @@ use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use counterpoint_channel::at::BlockPlace;
-use counterpoint_channel::callee::Callee;
-use counterpoint_channel::flow::{CallRecord, RunningProgram};
-use counterpoint_channel::modal::group;
-use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
 
 /// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;
@@ -38,7 +41,7 @@ impl Kernel<'_> {
         let numbers = (first, last);
         let found = match named {
             Some(_) => Some((BlockStart::line(first), BlockStart::line(last))),
-            None => self.contour_blocks((first, last)),
+            None => contour_blocks(&self.channel, &mut self.flow, (first, last)),
         };
         let Some((first_block, last_block)) = found else {
             let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.channel.block_text());
@@ -57,8 +60,8 @@ impl Kernel<'_> {
             reading.blank = self.read_blank(first, last)?;
         }
         (self.plan.actions.cut_contour)(self, cycle, reading)?;
-        if named.is_none() && self.comes_next(first) {
-            let after = self.after(last);
+        if named.is_none() && comes_next(&self.channel, &mut self.flow, first) {
+            let after = block_after(&self.channel, &self.flow, last);
             if let Some(frame) = self.flow.frame() {
                 (frame.next, frame.offset) = (after.line, after.offset);
             }
@@ -69,7 +72,7 @@ impl Kernel<'_> {
     /// Executes a cycle along the moves of a subprogram: of the blocks from a sequence number on, or of a program.
     fn cycle_along_program(&mut self, cycle: &ContourCycle, number: u32) -> Acted {
         let file = self.channel.at.file;
-        let blocks = self.find_range(&Callee::From(number)).map(|range| (file, range));
+        let blocks = find_range(&self.channel, &mut self.flow, &Callee::From(number)).map(|range| (file, range));
         let place = match blocks {
             Some(blocks) => Some(blocks),
             None => self.find_program(&Callee::Program(number))?,
@@ -78,27 +81,6 @@ impl Kernel<'_> {
         self.read_subprogram(SubprogramCall { name: name.into(), place, passes: 1, closes: false })?;
         let reading = std::mem::take(&mut self.channel.state.others.turning.kept);
         (self.plan.actions.cut_contour)(self, cycle, reading)
-    }
-
-    /// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
-    fn contour_blocks(&mut self, (first, last): (u32, u32)) -> Option<(BlockStart, BlockStart)> {
-        let sources = self.channel.env.sources;
-        let (file, range) = self.flow.frame().map(|frame| (frame.file, frame.range))?;
-        let source = sources.get(file)?;
-        let from = |number, after: BlockStart| {
-            let spots = source.sequences(number).iter();
-            spots.copied().find(|spot| *spot >= after && spot.line <= range.last)
-        };
-        let first = from(first, BlockStart::line(range.first))?;
-        Some((first, from(last, first)?))
-    }
-
-    /// Whether nothing but blank lines and comments is between this block and the contour.
-    fn comes_next(&mut self, first: BlockStart) -> bool {
-        let sources = self.channel.env.sources;
-        let Some((file, next)) = self.flow.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
-        let Some(source) = sources.get(file) else { return false };
-        first >= next && (next.line..first.line).all(|line| !source.has_text(line))
     }
 
     /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
@@ -240,7 +222,7 @@ impl Kernel<'_> {
             let text = source.line(here.line);
             self.channel.at.line = here.line;
             let held;
-            let text = if self.channel.tables.edits.reshapes && self.is_reshaped(source) {
+            let text = if self.channel.tables.edits.reshapes && is_reshaped(&mut self.channel, &self.flow, source) {
                 held = self.reshape(text, here.line)?;
                 held.text()
             } else {
@@ -262,4 +244,29 @@ impl Kernel<'_> {
             }
         }
     }
+}
+
+/// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
+fn contour_blocks(
+    channel: &ChannelContext<'_>,
+    flow: &mut ProgramFlow,
+    (first, last): (u32, u32),
+) -> Option<(BlockStart, BlockStart)> {
+    let sources = channel.env.sources;
+    let (file, range) = flow.frame().map(|frame| (frame.file, frame.range))?;
+    let source = sources.get(file)?;
+    let from = |number, after: BlockStart| {
+        let spots = source.sequences(number).iter();
+        spots.copied().find(|spot| *spot >= after && spot.line <= range.last)
+    };
+    let first = from(first, BlockStart::line(range.first))?;
+    Some((first, from(last, first)?))
+}
+
+/// Whether nothing but blank lines and comments is between this block and the contour.
+fn comes_next(channel: &ChannelContext<'_>, flow: &mut ProgramFlow, first: BlockStart) -> bool {
+    let sources = channel.env.sources;
+    let Some((file, next)) = flow.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
+    let Some(source) = sources.get(file) else { return false };
+    first >= next && (next.line..first.line).all(|line| !source.has_text(line))
 }

@@ -6,6 +6,10 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::Pending;
+use counterpoint_channel::code_time::end_functions;
+use counterpoint_channel::flow::CallRecord;
+use counterpoint_channel::text;
 use counterpoint_control_api::{CycleWord, MadeBlocks, MadeWord, WordHost};
 use counterpoint_event::FileId;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
@@ -13,9 +17,6 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::ProgramRange;
 
 use crate::channel::{Kernel, cycle_moves};
-use counterpoint_channel::callee::Pending;
-use counterpoint_channel::flow::CallRecord;
-use counterpoint_channel::text;
 
 impl Kernel<'_> {
     /// Executes a resident program that is a cycle of the control; false if the program is ordinary.
@@ -101,7 +102,7 @@ impl Kernel<'_> {
         }
         self.channel.check_stop()?;
         if self.channel.tables.rules.overlaps {
-            self.end_functions();
+            end_functions(&mut self.channel);
         }
         match self.flow.pending {
             Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),

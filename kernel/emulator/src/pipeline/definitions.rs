@@ -5,8 +5,8 @@
 //! that another channel runs: there the text ends as at the end of the file. *Invariant:* text that no program owns is
 //! reported once for each file and channel.
 
-use crate::channel::Kernel;
 use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::flow::ProgramFlow;
 use counterpoint_event::SourcePlace;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
@@ -14,6 +14,8 @@ use counterpoint_machine::model::{Placement, RewindStop};
 use counterpoint_program::callers::Callers;
 use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::source::ProgramSource;
+
+use crate::channel::Kernel;
 
 impl Kernel<'_> {
     /// Continues with the definition after the text of the program, where the control does so.
@@ -38,7 +40,7 @@ impl Kernel<'_> {
         if let Some(frame) = self.flow.frame() {
             frame.range.last = next.last;
         }
-        if self.first_time(file, next.first) {
+        if first_time(&mut self.flow, file, next.first) {
             let text =
                 format!("the text of {name} has no end code and continues with the definition in line {}", next.first);
             self.diagnose(&diag::RUNS_INTO_DEFINITION, text);
@@ -64,7 +66,7 @@ impl Kernel<'_> {
         let info = self.channel.env.info;
         let Some(source) = self.channel.env.sources.get(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
-        if !source.is_plain(*heading) || !self.first_time(file, heading.first) {
+        if !source.is_plain(*heading) || !first_time(&mut self.flow, file, heading.first) {
             return;
         }
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
@@ -86,7 +88,7 @@ impl Kernel<'_> {
         let same = |range: &&ProgramRange| range.number == called.number && !is_called(range);
         let Some(number) = called.number else { return };
         let Some(other) = source.programs().iter().find(same).map(|range| range.first) else { return };
-        if !self.first_time(file, called.first) {
+        if !first_time(&mut self.flow, file, called.first) {
             return;
         }
         let name = self.channel.env.info.file_name(file);
@@ -113,13 +115,13 @@ impl Kernel<'_> {
         self.diagnose(&diag::TEXT_OF_NO_PROGRAM, text);
         self.channel.at.go_to(place);
     }
+}
 
-    /// Whether this place is reported for the first time.
-    fn first_time(&mut self, file: FileId, line: u32) -> bool {
-        let new = !self.flow.reported.contains(&(file, line));
-        if new {
-            self.flow.reported.push((file, line));
-        }
-        new
+/// Whether this place is reported for the first time.
+fn first_time(flow: &mut ProgramFlow, file: FileId, line: u32) -> bool {
+    let new = !flow.reported.contains(&(file, line));
+    if new {
+        flow.reported.push((file, line));
     }
+    new
 }

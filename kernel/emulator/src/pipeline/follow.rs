@@ -4,6 +4,12 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::CallingWord;
+use counterpoint_channel::code_time::end_functions;
+use counterpoint_channel::figure::CopiedFigure;
+use counterpoint_channel::flow::RunningProgram;
+use counterpoint_channel::program_places::find_range;
 use counterpoint_control_api as dialect;
 use counterpoint_event::event::{Kind, Return, SubprogramEntry};
 use counterpoint_fault as diag;
@@ -12,10 +18,8 @@ use counterpoint_machine::model::MainReturn;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::calling_words::CallingWord;
-use counterpoint_channel::figure::CopiedFigure;
-use counterpoint_channel::flow::RunningProgram;
+use crate::channel::macro_queries::call_record;
+use crate::channel::statement::interpreter_repeat;
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.
@@ -23,7 +27,7 @@ impl Kernel<'_> {
     pub fn follow(&mut self) -> Acted {
         self.channel.check_stop()?;
         if self.channel.tables.rules.overlaps {
-            self.end_functions();
+            end_functions(&mut self.channel);
         }
         let flow = &self.flow;
         if flow.pending.is_some() || !flow.modal.is_empty() || flow.modal_text { self.follow_up() } else { Ok(()) }
@@ -91,7 +95,7 @@ impl Kernel<'_> {
         })?;
         self.check_levels(arguments.is_some(), &what)?;
         let mut found = self.find_program(&what)?;
-        let called = self.called(what.clone(), passes);
+        let called = call_record(self.plan, &self.channel, what.clone(), passes);
         if let Some(hooks) = self.plan.hooks {
             match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
@@ -144,9 +148,9 @@ impl Kernel<'_> {
     fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
         self.check_nesting(|| what.to_string())?;
         self.check_levels(false, &what)?;
-        let range = self.find_range(&what);
+        let range = find_range(&self.channel, &mut self.flow, &what);
         let mut found = range.map(|range| (self.channel.at.file, range));
-        let called = self.called(what.clone(), passes);
+        let called = call_record(self.plan, &self.channel, what.clone(), passes);
         if let Some(hooks) = self.plan.hooks {
             match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
@@ -230,7 +234,7 @@ impl Kernel<'_> {
             }
             let level = self.flow.level();
             self.flow.loops.restart(level);
-            self.interpreter_repeat();
+            interpreter_repeat(&mut self.dialect);
             self.end_pass(first, last)?;
             return self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(self));
         }

@@ -2,18 +2,19 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
-use crate::channel::Kernel;
-use crate::channel::refusals;
-use crate::pipeline::beside_motion;
 use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::modal::feed_of;
-use counterpoint_channel::modal::group;
+use counterpoint_channel::modal::{feed_of, group};
+use counterpoint_channel::unknown_words::{channel_has, left_name};
+use counterpoint_channel::word_values::word_number;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_program::block::irregular;
+
+use crate::channel::{Kernel, refusals};
+use crate::pipeline::beside_motion;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.
@@ -39,7 +40,7 @@ impl Kernel<'_> {
         if !self.channel.block.has_remarks() {
             return Ok(());
         }
-        self.left_name();
+        left_name(&mut self.channel);
         if !self.channel.block.unrecognised.is_empty() {
             self.unknown_text()?;
         }
@@ -59,12 +60,6 @@ impl Kernel<'_> {
             self.diagnose(&diag::BAD_BYTES, text);
         }
         Ok(())
-    }
-
-    /// Where the last word of the same address is, if there is a later one.
-    fn again(&self, register: RegisterId, position: usize) -> Option<(u32, u32)> {
-        let words = self.channel.block.words.get(position + 1..)?;
-        words.iter().rfind(|word| word.register == register).map(|word| (word.start, word.end))
     }
 
     /// A word that a later one of its address replaces.
@@ -89,7 +84,7 @@ impl Kernel<'_> {
         if !rows.is_empty() && rows.iter().all(|&row| self.channel.tables.data.ignore[row]) {
             return;
         }
-        if let Some(last) = self.again(register, position) {
+        if let Some(last) = later_word(&self.channel, register, position) {
             return self.word_twice(span, last);
         }
         let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
@@ -112,7 +107,7 @@ impl Kernel<'_> {
                 let mut sources = self.channel.tables.sources_of(row.id).iter();
                 let counting = sources.find(|source| source.row == index && source.one.is_some());
                 let word = self.channel.block.words.get(position).filter(|_| counting.is_some());
-                let value = counting.zip(word).map_or(value, |(source, word)| self.raw(source, word));
+                let value = counting.zip(word).map_or(value, |(source, word)| word_number(&self.channel, source, word));
                 let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
                 self.channel.state.remembered.remember(row.id, value);
                 known = true;
@@ -141,28 +136,10 @@ impl Kernel<'_> {
             self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by any code in '{block}'; ignored"));
         }
     }
-
-    /// Treats a program name: at the start of its block it defines the program; elsewhere it is unknown text.
-    pub fn left_name(&mut self) {
-        let Some((start, _)) = self.channel.block.name() else { return };
-        let line = self.channel.text_bytes();
-        let before = line.get(..start as usize).unwrap_or_default();
-        if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
-            self.channel.block.take_name();
-        }
-    }
 }
 
-/// Whether one of the channel's axes takes words of this register.
-fn channel_has(channel: &ChannelContext<'_>, register: RegisterId) -> bool {
-    channel.state.place.layout.axes.iter().any(|axis| {
-        channel
-            .env
-            .machine
-            .tables
-            .data(axis.data)
-            .iter()
-            .map(|&row| &channel.env.machine.data[row])
-            .any(|row| row.register == Some(register))
-    })
+/// Where the last word of the same address is, if there is a later one.
+fn later_word(channel: &ChannelContext<'_>, register: RegisterId, position: usize) -> Option<(u32, u32)> {
+    let words = channel.block.words.get(position + 1..)?;
+    words.iter().rfind(|word| word.register == register).map(|word| (word.start, word.end))
 }

@@ -6,29 +6,32 @@
 
 mod beside_motion;
 pub mod codes;
-mod conditions;
 mod contour;
 mod cycle_blocks;
 mod data_blocks;
 mod definitions;
 pub mod edit;
 mod follow;
-mod leftovers;
-mod length_words;
+pub mod implied;
+pub mod leftovers;
 mod long_comments;
 mod messages;
 mod owned_words;
 mod preprocess;
-mod read;
+pub mod read;
 mod speed_words;
 mod split;
 mod unit_named;
 
 use counterpoint_fault::Acted;
+use counterpoint_program::scan::ScanResult;
 
 use crate::channel::Kernel;
-use crate::channel::hook_points::{BlockOrigin, BlockTreatment};
-use counterpoint_program::scan::ScanResult;
+use crate::channel::hook_points::BlockOrigin;
+use crate::channel::hook_points::BlockTreatment;
+use crate::channel::known_blocks::keep_block;
+use crate::channel::known_blocks::may_only_lead_on;
+use counterpoint_channel::macro_queries::has_embedded;
 
 impl Kernel<'_> {
     /// Processes a block from its text to its remaining words: edit, pre-process, split, codes, leftovers.
@@ -46,15 +49,15 @@ impl Kernel<'_> {
         let text = own.as_deref().map_or(text, String::as_bytes);
         match self.split(text, preprocess) {
             ScanResult::Words => {
-                if self.channel.env.trace.is_some() && !self.has_embedded(1) {
+                if self.channel.env.trace.is_some() && !has_embedded(&self.channel, &self.macros, 1) {
                     self.trace_deleted(text);
                 }
                 if let Some(hooks) = hooks.filter(|_| preprocess) {
                     (hooks.block.preprocessed)(self)?;
                 }
                 self.words()?;
-                if self.flow.repeats && hooks.is_none() && self.may_only_lead_on() {
-                    self.keep_block(text);
+                if self.flow.repeats && hooks.is_none() && may_only_lead_on(&self.channel, &self.flow) {
+                    keep_block(self.plan, &self.channel, &mut self.flow, text);
                 }
                 Ok(())
             }

@@ -2,17 +2,23 @@
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use crate::channel::Kernel;
 use counterpoint_channel::at::BlockPlace;
+use counterpoint_channel::block_places::is_reshaped;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
 use counterpoint_event::event::{BlockEvent, FileId, Kind};
 use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::model::{ProgramTextFormat, RewindStop};
 use counterpoint_program::sections;
 use counterpoint_program::shape::ProgramDelimiters;
 use counterpoint_program::source::ProgramSource;
+
+use crate::channel::Kernel;
+use crate::channel::dialect_state::DialectState;
+use crate::channel::known_blocks::{execute_known_block, leads_on};
 
 impl Kernel<'_> {
     /// Runs blocks until something ends the program.
@@ -51,13 +57,13 @@ impl Kernel<'_> {
         }
         frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
-        if self.flow.repeats && hooks.is_none() && self.is_as_read(source) {
-            let known = self.leads_on((file, line));
-            if known.is_some() || self.executes((file, line)) {
+        if self.flow.repeats && hooks.is_none() && is_as_read(&mut self.channel, &self.flow, source) {
+            let known = leads_on(self.plan, &self.channel, &self.flow, (file, line));
+            if known.is_some() || executes(&mut self.dialect, (file, line)) {
                 self.channel.at.go_to(BlockPlace { file, line, caller });
                 self.begin_block()?;
                 match &known {
-                    Some(known) => self.lead_on(known),
+                    Some(known) => execute_known_block(&mut self.channel, &mut self.flow, known),
                     None => self.known_statement(source)?,
                 }
                 return self.follow();
@@ -73,7 +79,7 @@ impl Kernel<'_> {
             return Err(self.too_long(text.len()));
         }
         let held;
-        let text = if self.channel.tables.edits.reshapes && self.is_reshaped(source) {
+        let text = if self.channel.tables.edits.reshapes && is_reshaped(&mut self.channel, &self.flow, source) {
             held = self.reshape(text, line)?;
             let text = held.text();
             if text.trim_ascii().is_empty() {
@@ -86,7 +92,7 @@ impl Kernel<'_> {
         if self.channel.tables.edits.long_comments {
             self.pass_long_comment(source, line, text)?;
         }
-        if self.is_rewind_stop(text) {
+        if is_rewind_stop(&self.channel, text) {
             return self.rewind_stop(source, line);
         }
         if !self.flow.opened {
@@ -103,7 +109,7 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.block.begin)(self);
         }
-        if let Some(block) = self.before_rewind_stop(text) {
+        if let Some(block) = before_rewind_stop(&self.channel, text) {
             return self.last_of_tape(block, (file, line));
         }
         self.block(text)?;
@@ -122,35 +128,6 @@ impl Kernel<'_> {
             source.name
         );
         self.diagnose(&diag::NOT_UTF8, &text);
-    }
-
-    /// Whether lines of the file are blocks without changes, and no macro or trace needs their text.
-    #[inline(always)]
-    fn is_as_read(&mut self, source: &ProgramSource) -> bool {
-        let reshapes =
-            self.channel.tables.edits.reshapes && (self.channel.tables.edits.long_comments || self.is_reshaped(source));
-        !reshapes && self.channel.env.trace.is_none()
-    }
-
-    /// Whether the line is a statement that was executed before.
-    #[inline(always)]
-    fn executes(&mut self, line: (FileId, u32)) -> bool {
-        self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
-    }
-
-    /// The block before a rewind-stop at the end of its line, where one may be there.
-    #[inline(always)]
-    pub fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
-        let format = &self.channel.env.machine.format;
-        // The last byte decides about most blocks.
-        if !format.rws_inline || text.trim_ascii_end().last() != format.rws.as_bytes().last() {
-            return None;
-        }
-        if !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
-            return None;
-        }
-        let end = self.channel.tables.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;
-        text.get(..end)
     }
 
     /// A block at the end of whose line the tape ends; more text is reported, as that behind a rewind-stop of its own
@@ -214,14 +191,6 @@ impl Kernel<'_> {
         if self.channel.state.place.frames.is_some() { self.flush_old() } else { Ok(()) }
     }
 
-    /// Whether a line is the rewind stop.
-    #[inline(always)]
-    pub fn is_rewind_stop(&self, text: &[u8]) -> bool {
-        let format = &self.channel.env.machine.format;
-        let begins = text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
-        begins && is_stop(text, format)
-    }
-
     /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
     fn rewind_stop(&mut self, source: &ProgramSource, line: u32) -> Acted {
         if !self.flow.opened {
@@ -245,17 +214,11 @@ impl Kernel<'_> {
         if self.runs_into_definition() {
             return Ok(());
         }
-        if !self.ends_with_another_head() {
+        if !ends_with_another_head(&self.channel, &self.flow) {
             let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
             self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
         }
         if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::ProgramEnd(None)) }
-    }
-
-    /// Whether one program of all heads has its end code in the last stretch of another head.
-    fn ends_with_another_head(&self) -> bool {
-        let whole = self.channel.env.sources.whole(self.channel.at.file).filter(|_| self.flow.frames.len() == 1);
-        whole.is_some_and(|whole| sections::ends_for_all(self.channel.env.machine, whole, self.channel.at.channel))
     }
 
     /// Reports a block that is longer than the job allows.
@@ -292,6 +255,49 @@ impl Kernel<'_> {
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),
         }
     }
+}
+
+/// Whether lines of the file are blocks without changes, and no macro or trace needs their text.
+#[inline(always)]
+fn is_as_read(channel: &mut ChannelContext<'_>, flow: &ProgramFlow, source: &ProgramSource) -> bool {
+    let reshapes =
+        channel.tables.edits.reshapes && (channel.tables.edits.long_comments || is_reshaped(channel, flow, source));
+    !reshapes && channel.env.trace.is_none()
+}
+
+/// Whether the line is a statement that was executed before.
+#[inline(always)]
+fn executes(dialect: &mut DialectState, line: (FileId, u32)) -> bool {
+    dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
+}
+
+/// The block before a rewind-stop at the end of its line, where one may be there.
+#[inline(always)]
+pub fn before_rewind_stop<'l>(channel: &ChannelContext<'_>, text: &'l [u8]) -> Option<&'l [u8]> {
+    let format = &channel.env.machine.format;
+    // The last byte decides about most blocks.
+    if !format.rws_inline || text.trim_ascii_end().last() != format.rws.as_bytes().last() {
+        return None;
+    }
+    if !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
+        return None;
+    }
+    let end = channel.tables.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;
+    text.get(..end)
+}
+
+/// Whether a line is the rewind stop.
+#[inline(always)]
+pub fn is_rewind_stop(channel: &ChannelContext<'_>, text: &[u8]) -> bool {
+    let format = &channel.env.machine.format;
+    let begins = text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
+    begins && is_stop(text, format)
+}
+
+/// Whether one program of all heads has its end code in the last stretch of another head.
+fn ends_with_another_head(channel: &ChannelContext<'_>, flow: &ProgramFlow) -> bool {
+    let whole = channel.env.sources.whole(channel.at.file).filter(|_| flow.frames.len() == 1);
+    whole.is_some_and(|whole| sections::ends_for_all(channel.env.machine, whole, channel.at.channel))
 }
 
 /// Whether a line that may be a rewind-stop is one.

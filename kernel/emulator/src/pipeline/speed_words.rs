@@ -4,6 +4,9 @@
 //! its block). *Invariant:* a speed or a limit beside a function that may turn another spindle never reaches the active
 //! spindle. Words that name their spindle, such as S1=, are exempt.
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::macro_queries::matching_code_macro;
+use counterpoint_channel::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -13,7 +16,7 @@ use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::block::Word;
 
 use crate::channel::Kernel;
-use counterpoint_channel::modal::group;
+use crate::channel::unknown_codes::machine_text;
 
 impl Kernel<'_> {
     /// Puts a speed that no code of the block takes before the move of the block.
@@ -26,13 +29,14 @@ impl Kernel<'_> {
         for pending in &self.channel.block.pending {
             let row = &self.channel.env.machine.codes[pending.row];
             let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::DELAY_REV;
-            if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
+            if takes || self.plan.hooks.is_some() && matching_code_macro(&self.channel, &self.macros, row.id).is_some()
+            {
                 return Ok(());
             }
             limits |= row.id == codes::SPINDLE_MAXRPM;
             modes |= matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM);
             moves |= matches!(row.group, group::MOTION | group::CYCLE);
-            function = function.or_else(|| self.function_without_effect(row).then_some(*pending));
+            function = function.or_else(|| function_without_effect(&self.channel, row).then_some(*pending));
         }
         if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed)
             && let Some(word) = plain_speed(self)
@@ -46,15 +50,6 @@ impl Kernel<'_> {
         (self.plan.actions.speed_word)(self)
     }
 
-    /// Whether the row is an M function that has no effect and may turn a spindle of the real machine.
-    fn function_without_effect(&self, row: &CodeRow) -> bool {
-        let (CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = row.form else {
-            return false;
-        };
-        let idle = !row.process || row.id == codes::FUNCTION;
-        idle && !row.turns_no_spindle && Some(register) == self.channel.tables.registers.function
-    }
-
     /// The alarm of a speed beside a function without effect.
     fn refuse_speed(&mut self, function: f64, word: Word) -> Acted {
         let Some(register) = self.channel.tables.registers.function else { return Ok(()) };
@@ -66,10 +61,19 @@ impl Kernel<'_> {
              no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
              `turns_no_spindle = true`",
             self.channel.block_text(),
-            self.machine_text()
+            machine_text(&self.channel, &self.components)
         );
         Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))
     }
+}
+
+/// Whether the row is an M function that has no effect and may turn a spindle of the real machine.
+fn function_without_effect(channel: &ChannelContext<'_>, row: &CodeRow) -> bool {
+    let (CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = row.form else {
+        return false;
+    };
+    let idle = !row.process || row.id == codes::FUNCTION;
+    idle && !row.turns_no_spindle && Some(register) == channel.tables.registers.function
 }
 
 /// The first speed of the block that names no spindle.

@@ -2,9 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 2.2.
 
-use crate::channel::Kernel;
 use counterpoint_control_api::ProgramHost as _;
 use counterpoint_program::scan::ScanResult;
+
+use crate::channel::Kernel;
+use crate::channel::macro_queries::block_scanner;
 
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.
@@ -14,7 +16,7 @@ impl Kernel<'_> {
         if preprocess && self.flow.repeats && self.plan.hooks.is_some() && self.is_known_statement() {
             return ScanResult::Statement;
         }
-        let (tables, own) = (self.channel.tables, self.block_scanner());
+        let (tables, own) = (self.channel.tables, block_scanner(self.plan, &self.channel, &self.macros));
         let scanner = own.as_deref().unwrap_or(&tables.scanner);
         let (secondary, watched) = (self.channel.state.secondary, self.flow.watched);
         match preprocess {

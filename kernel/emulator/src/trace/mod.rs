@@ -7,18 +7,22 @@
 //! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
 //! [`edited`] for the stages of a block's text.
 
+use counterpoint_channel::queued_codes::literal_of;
 pub use counterpoint_results::trace_lines::{
     TextStage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
 };
 
-use crate::channel::Kernel;
 use counterpoint_channel::burden::shortened;
 use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_event::event::{Kind, Trace};
-use counterpoint_machine::ident::{self, CodeId, DataId};
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_event::event::Kind;
+use counterpoint_event::event::Trace;
+use counterpoint_machine::ident;
+use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::DataId;
 use counterpoint_machine::number::written;
-use counterpoint_machine::rows::CodeForm;
+
+use crate::channel::Kernel;
+use counterpoint_channel::macro_queries::own_sequence;
 
 /// Letter of actions. Most are read from the events; an action without an event is a line of its own.
 pub const ACTION: char = 'A';
@@ -41,14 +45,6 @@ impl Kernel<'_> {
         }
     }
 
-    /// Adds an action that takes the place of that of the next event, if actions are wanted.
-    pub fn trace_instead(&mut self, text: &str) {
-        if traces(&self.channel, ACTION) {
-            let text = shortened(&action(text)).into();
-            self.channel.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
-        }
-    }
-
     /// The words of the block as they were recognised, and its sequence number.
     #[cold]
     pub(crate) fn trace_words(&mut self) {
@@ -68,7 +64,7 @@ impl Kernel<'_> {
 
     /// The sequence number that the head of this channel has of its own.
     fn trace_head_sequence(&mut self) {
-        let Some(register) = self.own_sequence() else { return };
+        let Some(register) = own_sequence(&self.channel) else { return };
         let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
         let id = if self.channel.env.kernel_number(self.channel.at.channel) <= 1 {
             ident::data::SEQNO_MAIN
@@ -80,21 +76,19 @@ impl Kernel<'_> {
         }
     }
 
-    /// The literal text of a row of the code table.
-    pub fn literal_of(&self, row: CodeRowId) -> Option<&str> {
-        match &self.channel.env.machine.codes[row].form {
-            CodeForm::Text(text) => Some(text),
-            _ => None,
-        }
-    }
-
     /// The text that the pre-processor left.
     #[cold]
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
             let sequence = kernel.channel.block.sequence.map(|number| format!("N{number}"));
             let words = (0..kernel.channel.block.words.len()).filter_map(|index| text_of_word(&kernel.channel, index));
-            let texts = kernel.channel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
+            let texts = kernel
+                .channel
+                .block
+                .texts
+                .iter()
+                .filter_map(|&row| literal_of(&kernel.channel, row))
+                .map(str::to_owned);
             edited(
                 TextStage::PreProcessor,
                 &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "),
@@ -124,6 +118,14 @@ impl Kernel<'_> {
     #[inline(always)]
     pub fn trace_data(&mut self, id: DataId, value: f64) {
         self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
+    }
+}
+
+/// Adds an action that takes the place of that of the next event, if actions are wanted.
+pub fn trace_instead(channel: &mut ChannelContext<'_>, text: &str) {
+    if traces(channel, ACTION) {
+        let text = shortened(&action(text)).into();
+        channel.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
     }
 }
 

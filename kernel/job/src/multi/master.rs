@@ -3,23 +3,24 @@
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
 //! its changes of shared variables need no order. A machine with one channel has no master.
 
-use counterpoint_fault::Halt;
-use counterpoint_lang::value::MacroValue;
-use counterpoint_macro_host as macros;
-
-use super::Assembly;
-use super::again::{self, Again, At};
-use super::coordinator::wait_method::WaitMethod;
 use counterpoint_channel::emitter::ChunkTarget;
 use counterpoint_channel::macros::store::names;
 use counterpoint_emulator::channel::carried::MasterMemory;
+use counterpoint_emulator::channel::report::report_softened;
 use counterpoint_event::event::{Event, FileId};
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::index::IdTable;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::Channel;
+use counterpoint_macro_host as macros;
 use counterpoint_program::layout::first_main;
 use counterpoint_program::shape::ProgramRange;
+
+use super::again::{Again, At};
+use super::coordinator::wait_method::WaitMethod;
+use super::{Assembly, again};
 
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
 pub(super) type KernelInput = (String, String, f64);
@@ -58,7 +59,7 @@ impl<'a> Assembly<'a> {
         let done =
             macros::run(&mut kernel, Hook::Declaration).and_then(|()| macros::run(&mut kernel, Hook::MachineStartup));
         if let Err(halt) = done {
-            kernel.report_softened(halt);
+            report_softened(&mut kernel.channel, halt);
         }
         let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
         let mut programs = Vec::new();
@@ -154,7 +155,7 @@ impl<'a> Assembly<'a> {
         kernel.take_over_master(memory.take()?, (t, micro));
         let done = macros::run(&mut kernel, Hook::MachineShutdown);
         if let Err(halt) = done {
-            kernel.report_softened(halt);
+            report_softened(&mut kernel.channel, halt);
         }
         macros::close_files(&mut kernel, Halt::ProgramEnd(None));
         let restart = kernel.macros.course.restart.take();

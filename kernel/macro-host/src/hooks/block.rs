@@ -3,24 +3,30 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro
 //! that asks for it; it is split into words again only if a macro has changed it.
 
-use super::embedded;
-use counterpoint_channel::text;
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use counterpoint_lang::value::MacroValue;
-
-use crate::context::MacroHooks;
-use crate::host::block;
+use counterpoint_channel::macro_queries::has_embedded;
 use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::queued_codes::literal_of;
+use counterpoint_channel::text;
+use counterpoint_channel::unknown_words::left_name;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::hook_points::BlockTreatment;
-use counterpoint_emulator::trace::{self, TextStage};
+use counterpoint_emulator::channel::macro_queries::block_scanner;
+use counterpoint_emulator::channel::statement::forget_lines;
+use counterpoint_emulator::trace;
+use counterpoint_emulator::trace::TextStage;
 use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::DecimalPointRule;
 use counterpoint_program::scan::LineScanner;
+
+use super::embedded;
+use crate::context::MacroHooks;
+use crate::host::block;
 
 /// Macros that get the text of the words.
 const READERS: [Hook; 4] =
@@ -30,7 +36,8 @@ impl MacroHooks<'_, '_> {
     /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
     pub(crate) fn edit_block(&mut self) -> Result<BlockTreatment, Halt> {
         self.note_mark();
-        let may_embed = self.kernel.has_embedded(0) || self.kernel.has_embedded(1);
+        let may_embed = has_embedded(&self.kernel.channel, &self.kernel.macros, 0)
+            || has_embedded(&self.kernel.channel, &self.kernel.macros, 1);
         if may_embed {
             embedded::delete_around_code(self);
         }
@@ -77,7 +84,7 @@ impl MacroHooks<'_, '_> {
             self.kernel.channel.context.mark = None;
             return;
         }
-        let level = match self.kernel.block_scanner() {
+        let level = match block_scanner(self.kernel.plan, &self.kernel.channel, &self.kernel.macros) {
             Some(scanner) => scanner.first_mark(&self.kernel.channel.text_bytes()),
             None => self.kernel.channel.tables.scanner.first_mark(&self.kernel.channel.text_bytes()),
         };
@@ -93,7 +100,7 @@ impl MacroHooks<'_, '_> {
         let asked = [Hook::PreprocessorShutdown, Hook::BlockStartup]
             .into_iter()
             .any(|hook| self.kernel.macros.ready(hook).is_some());
-        if !asked && !self.kernel.has_embedded(1) {
+        if !asked && !has_embedded(&self.kernel.channel, &self.kernel.macros, 1) {
             self.kernel.channel.context.left = left;
         } else {
             match left {
@@ -137,7 +144,7 @@ impl MacroHooks<'_, '_> {
             text.push(' ');
         }
         for &row in &self.kernel.channel.block.texts {
-            if let Some(literal) = self.kernel.literal_of(row) {
+            if let Some(literal) = literal_of(&self.kernel.channel, row) {
                 text.push_str(literal);
                 text.push(' ');
             }
@@ -166,7 +173,7 @@ impl MacroHooks<'_, '_> {
         let (machine, syntax) = (self.kernel.channel.env.machine, self.kernel.channel.tables.scanner.syntax());
         self.kernel.macros.reading.switched = Some(Arc::new(LineScanner::new(machine, syntax, &levels)));
         // Lines compiled before have the parts that were skipped then.
-        self.kernel.forget_lines();
+        forget_lines(&mut self.kernel.dialect);
     }
 
     /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
@@ -224,7 +231,7 @@ impl MacroHooks<'_, '_> {
     pub(crate) fn block_shutdown(&mut self) -> Acted {
         let runtime = &*self.kernel.macros;
         let Some(code) = runtime.ready(Hook::BlockShutdown) else { return Ok(()) };
-        self.kernel.left_name();
+        left_name(&mut self.kernel.channel);
         let runtime = &*self.kernel.macros;
         let asks = runtime.calls.uses(code, 2);
         let left = if asks { text::left_text(&self.kernel.channel) } else { String::new() };
@@ -284,5 +291,5 @@ enum BlockDecision {
 pub(super) fn reads_left(kernel: &Kernel<'_>) -> bool {
     let macros = kernel.channel.env.machine.macros.as_deref();
     let runs = macros.is_some_and(|macros| READERS.into_iter().any(|hook| macros.hook(hook).is_some()));
-    runs || kernel.macros.calls.read_block || kernel.has_embedded(1)
+    runs || kernel.macros.calls.read_block || has_embedded(&kernel.channel, &kernel.macros, 1)
 }

@@ -3,27 +3,31 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts
 //! as acting (and modal) before its macro runs; codes that macros add act in this block, by their order.
 
-use counterpoint_lang::value::MacroValue;
-use counterpoint_machine::Machine;
-use counterpoint_machine::index::{DataMacroId, RegisterId};
-
-use crate::context::MacroHooks;
-use crate::host::block;
 use counterpoint_channel::context::Withheld;
+use counterpoint_channel::macro_queries::{
+    adds_motion, block_has_data, block_has_identifier, matching_code_macro, own_sequence, row_of_code,
+};
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::values::{code_value, data_value};
 use counterpoint_channel::modal::group;
+use counterpoint_channel::queued_codes::{data_of_code, enter_code, group_queued};
+use counterpoint_channel::word_values::{recall, scaled_number, word_number};
 use counterpoint_emulator::channel::hook_points::BlockOrigin;
-use counterpoint_emulator::pipeline::codes::data_of_code;
+use counterpoint_emulator::pipeline::implied::{imply_motion, queue_by_data};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::MacroValue;
+use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::index::{DataMacroId, RegisterId};
 use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::rows::CodeForm;
-use counterpoint_program::block::PendingCode;
-use counterpoint_program::block::RetrievedValue;
+use counterpoint_program::block::{PendingCode, RetrievedValue};
 use counterpoint_program::data_plan::{NEEDED, RECALLED};
+
+use crate::context::MacroHooks;
+use crate::host::block;
 
 /// A value that has been taken, before data macros and units.
 struct TakenValue {
@@ -63,7 +67,7 @@ impl MacroHooks<'_, '_> {
 
     /// The sequence number that the head of this channel has of its own.
     fn head_sequence(&mut self) {
-        if let Some(register) = self.kernel.own_sequence()
+        if let Some(register) = own_sequence(&self.kernel.channel)
             && let Some(word) = self.kernel.channel.block.take(register)
         {
             self.kernel.channel.block.sequence =
@@ -78,18 +82,18 @@ impl MacroHooks<'_, '_> {
 
     /// Codes that data fire: motion by added axis values, and the codes set up by `$FCEDAC`.
     pub(crate) fn imply_by_data(&mut self) {
-        if self.kernel.adds_motion()
-            && !self.kernel.group_queued(group::MOTION)
+        if adds_motion(&self.kernel.channel)
+            && !group_queued(&self.kernel.channel, group::MOTION)
             && !self.kernel.channel.block.has_any(self.kernel.channel.tables.registers.motion)
         {
-            self.kernel.imply_motion();
+            imply_motion(self.kernel.plan, &mut self.kernel.channel, &self.kernel.macros);
         }
         let count = self.kernel.macros.modes.data_codes.len();
         for at in 0..count {
             let pair = self.kernel.macros.modes.data_codes.get(at).copied();
             let Some((id, group)) = pair else { break };
-            if self.kernel.has_data(id) && !self.kernel.group_queued(group) {
-                self.kernel.queue_by_data(group);
+            if block_has_data(&self.kernel.channel, id) && !group_queued(&self.kernel.channel, group) {
+                queue_by_data(self.kernel.plan, &mut self.kernel.channel, group);
             }
         }
     }
@@ -121,7 +125,7 @@ impl MacroHooks<'_, '_> {
     }
 
     fn run_code(&mut self, pending: PendingCode, id: CodeId) -> Acted {
-        let Some(code) = self.kernel.matching_code_macro(id) else {
+        let Some(code) = matching_code_macro(&self.kernel.channel, &self.kernel.macros, id) else {
             let machine = self.kernel.channel.env.machine;
             return self.kernel.perform(&machine.codes[pending.row], pending);
         };
@@ -143,7 +147,7 @@ impl MacroHooks<'_, '_> {
                 return Ok(());
             }
         };
-        let row = if target == id { Some(pending.row) } else { self.kernel.row_of_code(target) };
+        let row = if target == id { Some(pending.row) } else { row_of_code(&self.kernel.channel, target) };
         let Some(row) = row else {
             self.no_such_code(target);
             return Ok(());
@@ -153,7 +157,7 @@ impl MacroHooks<'_, '_> {
         let pending = PendingCode { row, ..pending };
         self.kernel.channel.acting.as_data = own;
         if target != id {
-            self.kernel.enter_code(&machine.codes[row], pending);
+            enter_code(&mut self.kernel.channel, &machine.codes[row], pending);
             self.kernel.channel.acting.as_data = self.kernel.channel.acting.as_data.or(own);
         }
         let done = self.act_with_macros(pending, target);
@@ -170,7 +174,7 @@ impl MacroHooks<'_, '_> {
             return None;
         }
         let Some(mut taken) = self.taken(id) else {
-            return if self.kernel.refuse(id) { None } else { self.kernel.recall(id) };
+            return if self.kernel.refuse(id) { None } else { recall(&self.kernel.channel, id) };
         };
         let mut absolute = false;
         let list = self.kernel.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
@@ -212,13 +216,13 @@ impl MacroHooks<'_, '_> {
         let tables = self.kernel.channel.tables;
         for source in tables.sources_of(id) {
             let Some(word) = self.kernel.channel.block.take(source.register) else { continue };
-            let raw = self.kernel.raw(source, &word);
+            let raw = word_number(&self.kernel.channel, source, &word);
             let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.kernel.out_of_range(source.row, raw);
             }
             let diameter = if source.diameter_x { self.kernel.channel.position_factor(id, incremental) } else { 1.0 };
-            let (value, dimension) = self.kernel.scaled(source, &word, raw);
+            let (value, dimension) = scaled_number(&self.kernel.channel, source, &word, raw);
             let factor = self.kernel.channel.unit_factor(dimension) * diameter;
             let register = Some(source.register);
             return Some(TakenValue { value, factor, incremental, raw, modal: source.modal, register });
@@ -280,11 +284,11 @@ impl MacroHooks<'_, '_> {
         let holds = || {
             let present = |item| match (item, self.kernel.channel.env.machine.macros.as_deref()) {
                 (BlockIdentifier::Data(id), Some(macros))
-                    if macros.of_data(id).contains(&at) && !self.kernel.has_data(id) =>
+                    if macros.of_data(id).contains(&at) && !block_has_data(&self.kernel.channel, id) =>
                 {
                     true
                 }
-                _ => self.kernel.is_present(item, None),
+                _ => block_has_identifier(&self.kernel.channel, item, None),
             };
             named.condition.is_empty() || named.condition.holds(present)
         };

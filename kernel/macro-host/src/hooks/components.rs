@@ -5,24 +5,25 @@
 //! active. Modal codes that the new component has in the same group stay active, all others are its initial codes, and
 //! no canned cycle stays active. Blocks that EXEC/NEXT has queued are those of the new component.
 
+use counterpoint_channel::arc::ArcState;
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::coupled_axes::keep_couplings;
+use counterpoint_channel::cycle::Cycle;
+use counterpoint_channel::modal::{ModalCodes, group};
+use counterpoint_channel::position::MotionState;
+use counterpoint_channel::queued_codes::initial_codes;
+use counterpoint_channel::thread::ThreadingState;
+use counterpoint_channel::turning::TurningState;
 use counterpoint_control_api::LoopStack;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_event::event::Kind;
-use counterpoint_event::event::OperatorMessage;
+use counterpoint_emulator::channel::components::Resting;
+use counterpoint_emulator::channel::dialect_state::DialectState;
+use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::macros::model::Hook;
 
 use crate::context::MacroHooks;
-use counterpoint_channel::arc::ArcState;
-use counterpoint_channel::context::BlockContext;
-use counterpoint_channel::cycle::Cycle;
-use counterpoint_channel::modal::{ModalCodes, group};
-use counterpoint_channel::position::MotionState;
-use counterpoint_channel::thread::ThreadingState;
-use counterpoint_channel::turning::TurningState;
-use counterpoint_emulator::channel::components::Resting;
-use counterpoint_emulator::channel::dialect_state::DialectState;
 
 /// Changes the component, if a macro has requested another one and none is running; none if nothing is to be done.
 pub(crate) fn change_component(hooks: &mut MacroHooks<'_, '_>) -> Option<Acted> {
@@ -145,7 +146,7 @@ fn fit_state(kernel: &mut Kernel<'_>, before: &Machine) {
     let old = std::mem::replace(&mut kernel.channel.state.modal, ModalCodes::empty());
     let fitted = kernel.channel.state.remembered.fitted(before, machine);
     kernel.channel.state.remembered = fitted;
-    kernel.initial_codes();
+    initial_codes(&mut kernel.channel);
     let state = &mut kernel.channel.state;
     for (of, id, row) in old.saved() {
         let name = &before.code_names[id];
@@ -169,7 +170,7 @@ fn fit_state(kernel: &mut Kernel<'_>, before: &Machine) {
         state.place.layout = MotionState::new(machine, channel).layout;
     }
     if !kernel.channel.state.others.couplings.is_empty() {
-        kernel.keep_couplings();
+        keep_couplings(&mut kernel.channel);
     }
     kernel.channel.block.clear();
 }

@@ -3,16 +3,18 @@
 //! Facts: reference control-emulator.md 2.2, 5.3. *Invariant:* a piece of code is compiled once; code in a skipped
 //! portion of a block is not run.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use crate::context::MacroHooks;
+use counterpoint_channel::macro_queries::has_embedded;
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::trace::{self, TextStage};
+use counterpoint_emulator::trace;
+use counterpoint_emulator::trace::TextStage;
 use counterpoint_event::info::cut;
 use counterpoint_fault as diag;
-
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::MacroValue;
+
+use crate::context::MacroHooks;
 
 /// Longest piece of embedded code, in bytes; how many different ones are remembered.
 const LONGEST_CODE: usize = 4096;
@@ -50,7 +52,7 @@ fn without_code(kernel: &Kernel<'_>, text: &[u8]) -> Vec<u8> {
 
 /// Runs embedded code and puts its values in its place; true if there was any.
 pub(crate) fn embedded(hooks: &mut MacroHooks<'_, '_>, kind: usize) -> Result<bool, Halt> {
-    if !hooks.kernel.has_embedded(kind) {
+    if !has_embedded(&hooks.kernel.channel, &hooks.kernel.macros, kind) {
         return Ok(false);
     }
     let delimiter =

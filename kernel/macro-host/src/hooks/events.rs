@@ -3,22 +3,22 @@
 //! Facts: reference control-emulator.md 4.3. Decision: the end of a straight move and rapid or linear may be changed;
 //! circles and threads stay as they are.
 
-use counterpoint_fault::Acted;
-use counterpoint_lang::value::MacroValue;
-
-use crate::context::MacroHooks;
 use counterpoint_channel::ChannelMemory;
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::runtime::Runtime;
-use counterpoint_channel::macros::store::column;
-use counterpoint_channel::macros::store::names;
+use counterpoint_channel::macros::store::{column, names};
 use counterpoint_channel::macros::tool_table::MOST_TOOLS;
+use counterpoint_emulator::channel::tool_events::load_head;
 use counterpoint_event::event::{Motion, MotionKind, Position, ToolAction};
 use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_results::geometry::Loop;
+
+use crate::context::MacroHooks;
 
 impl MacroHooks<'_, '_> {
     /// A motion on a kernel with macros.
@@ -166,7 +166,9 @@ impl MacroHooks<'_, '_> {
 
     /// A head is selected (1) or loaded (2): the tool event macro sees it with `$P2` 1.
     pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
-        let Some(code) = self.kernel.macros.ready(Hook::Tool) else { return self.kernel.load_head(kind, id) };
+        let Some(code) = self.kernel.macros.ready(Hook::Tool) else {
+            return load_head(&mut self.kernel.channel, kind, id);
+        };
         let mut arguments = [MacroValue::Real(kind), MacroValue::Real(1.0), MacroValue::Real(f64::from(id))];
         self.run_macro(code, OutputTask::Head(kind, id), &mut arguments).map(|_| ())
     }

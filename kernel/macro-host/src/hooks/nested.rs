@@ -4,6 +4,13 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::block_places::blocks_of;
+use counterpoint_channel::burden;
+use counterpoint_channel::callee::Pending;
+use counterpoint_channel::channel_context::Acting;
+use counterpoint_channel::context::BlockContext;
+use counterpoint_channel::macros::issued::Later;
+use counterpoint_emulator::channel::hook_points::BlockOrigin;
 use counterpoint_event::event::{Kind, Listing};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -12,12 +19,6 @@ use counterpoint_program::block::Block;
 
 use crate::context::MacroHooks;
 use crate::host::block;
-use counterpoint_channel::burden;
-use counterpoint_channel::callee::Pending;
-use counterpoint_channel::channel_context::Acting;
-use counterpoint_channel::context::BlockContext;
-use counterpoint_channel::macros::issued::Later;
-use counterpoint_emulator::channel::hook_points::BlockOrigin;
 
 /// A block that another one within it interrupts.
 struct Outer {
@@ -39,7 +40,7 @@ impl MacroHooks<'_, '_> {
 
     /// The blocks of a text that EXEC issues: as in a file, line ends and the machine's character end a block.
     pub(crate) fn blocks_of_text(&self, text: &str) -> Vec<Arc<String>> {
-        let lines = text.split(['\n', '\r']).flat_map(|line| self.kernel.blocks_of(line.as_bytes()));
+        let lines = text.split(['\n', '\r']).flat_map(|line| blocks_of(&self.kernel.channel, line.as_bytes()));
         lines.map(|(block, _)| Arc::new(String::from_utf8_lossy(block).into_owned())).collect()
     }
 

@@ -7,21 +7,24 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::value::MacroValue;
-
-use crate::context::MacroHooks;
+use counterpoint_channel::macro_queries::{matching_code_macro, may_have_remarks, row_of_code};
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::values::code_value;
 use counterpoint_fault::Acted;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_program::block::PendingCode;
+
+use crate::context::MacroHooks;
 
 impl MacroHooks<'_, '_> {
     /// Comments and messages of a block that is split into words.
     pub(crate) fn remarks_of_block(&mut self) -> Acted {
         // Remarks of a statement have acted before the statement.
         let are_done = self.kernel.channel.context.made && self.kernel.channel.context.text.is_none();
-        if !self.kernel.may_have_remarks() || are_done && self.kernel.channel.block.messages.is_empty() {
+        if !may_have_remarks(&self.kernel.channel, &self.kernel.macros)
+            || are_done && self.kernel.channel.block.messages.is_empty()
+        {
             return Ok(());
         }
         let text = self.kernel.channel.text_bytes().into_owned();
@@ -30,7 +33,9 @@ impl MacroHooks<'_, '_> {
 
     /// Those of a statement.
     pub(crate) fn remarks_of_statement(&mut self, text: &[u8]) -> Acted {
-        if self.kernel.may_have_remarks() || self.kernel.channel.tables.scanner.has_messages() {
+        if may_have_remarks(&self.kernel.channel, &self.kernel.macros)
+            || self.kernel.channel.tables.scanner.has_messages()
+        {
             self.remarks(text)
         } else {
             Ok(())
@@ -56,7 +61,7 @@ impl MacroHooks<'_, '_> {
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
         self.keep_remark(id, &text);
         let outer = self.kernel.channel.context.set_code(Some(id));
-        let done = match self.kernel.matching_code_macro(id) {
+        let done = match matching_code_macro(&self.kernel.channel, &self.kernel.macros, id) {
             Some(code) => {
                 let mut arguments = [code_value(Some(id)), MacroValue::Text(Arc::clone(&text))];
                 self.run_macro(code, OutputTask::Remark(id, text), &mut arguments).map(|_| ())
@@ -81,7 +86,7 @@ impl MacroHooks<'_, '_> {
         match target {
             None => Ok(()),
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
-            Some(target) => match self.kernel.row_of_code(target) {
+            Some(target) => match row_of_code(&self.kernel.channel, target) {
                 Some(row) => self.output_code(
                     PendingCode { order: 0, row, value: 0.0, modal: false, only_if_data_left: false },
                     target,

@@ -3,21 +3,23 @@
 //! *Invariant:* the state of the machine of the language is with the kernel while no macro runs, and with the running
 //! macro otherwise. Macros nest as deep as the stack of their thread allows.
 
-use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::compile::MacroProgram;
-use counterpoint_lang::fault::MacroFault;
-use counterpoint_lang::value::MacroValue;
-use counterpoint_lang::vm::{self, MacroEnd, MacroState};
-
-use crate::context::MacroHooks;
-use crate::host::variables::positions;
 use counterpoint_channel::macros::calls::{OutputTask, unwinding};
 use counterpoint_channel::macros::runtime::Runtime;
 use counterpoint_channel::macros::store::names;
+use counterpoint_channel::tool_data::report_tools;
 use counterpoint_event::info::Info;
+use counterpoint_fault::Halt;
+use counterpoint_lang::compile::MacroProgram;
+use counterpoint_lang::fault::MacroFault;
+use counterpoint_lang::value::MacroValue;
+use counterpoint_lang::vm;
+use counterpoint_lang::vm::{MacroEnd, MacroState};
 use counterpoint_machine::macros::model::Macros;
+
+use crate::context::MacroHooks;
+use crate::host::variables::positions;
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {
@@ -132,7 +134,7 @@ impl MacroHooks<'_, '_> {
         }
         let halt = if inside { None } else { runtime.calls.halt.take() };
         if !inside && runtime.tools.take_changed() {
-            self.kernel.report_tools();
+            report_tools(&mut self.kernel.channel, &self.kernel.macros);
         }
         halt.map_or(Ok(outputs), Err)
     }

@@ -3,20 +3,22 @@
 //! Facts: reference functions.md 9. *Invariant:* actions do not find data that a macro takes, and find data that it
 //! adds.
 
+use counterpoint_channel::macro_queries::{activate_code, row_of_code, waiting_code};
+use counterpoint_channel::macros::values::code_value;
+use counterpoint_channel::word_values::handed_value;
+use counterpoint_channel::word_values::{scaled_number, word_number};
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_lang::vm::MacroState;
 use counterpoint_machine::Machine;
-
-use crate::context::KernelHost;
-use counterpoint_channel::macros::values::code_value;
-use counterpoint_emulator::channel::data;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
+
+use crate::context::KernelHost;
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;
@@ -48,7 +50,7 @@ impl KernelHost<'_, '_> {
 
     /// Inserts a code by its order among those that have not acted yet.
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
-        let Some(row) = self.kernel.row_of_code(id) else { return false };
+        let Some(row) = row_of_code(&self.kernel.channel, id) else { return false };
         let facts = &self.kernel.channel.env.machine.codes[row];
         // The number before the row's factor and addend.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
@@ -65,7 +67,8 @@ impl KernelHost<'_, '_> {
     pub(crate) fn take_item(&mut self, state: &mut MacroState, arguments: &[MacroValue]) -> Outcome<MacroValue> {
         match self.named_item(arguments)? {
             Some(BlockIdentifier::Code(id)) => {
-                let pending = self.kernel.waiting_code(id).map(|at| self.kernel.channel.block.pending.remove(at));
+                let pending =
+                    waiting_code(&self.kernel.channel, id).map(|at| self.kernel.channel.block.pending.remove(at));
                 Ok(pending.map_or(MacroValue::Null, |pending| {
                     MacroValue::Real(code_number(self.kernel.channel.env.machine, pending))
                 }))
@@ -98,8 +101,8 @@ impl KernelHost<'_, '_> {
         let id = match self.named_item(arguments)? {
             Some(BlockIdentifier::Data(id)) => id,
             Some(BlockIdentifier::Code(id)) => {
-                let found =
-                    self.kernel.waiting_code(id).and_then(|at| self.kernel.channel.block.pending.get(at).copied());
+                let found = waiting_code(&self.kernel.channel, id)
+                    .and_then(|at| self.kernel.channel.block.pending.get(at).copied());
                 return Ok(found.map_or(MacroValue::Null, |pending| {
                     MacroValue::Real(code_number(self.kernel.channel.env.machine, pending))
                 }));
@@ -144,12 +147,20 @@ impl KernelHost<'_, '_> {
     /// Value of data of this block, before any change of units.
     fn data_on_block(&self, id: DataId) -> Option<f64> {
         if let Some(handed) = self.kernel.channel.acting.as_data.filter(|handed| handed.id == id) {
-            return Some(data::handed_value(self.kernel.channel.env.machine, handed));
+            return Some(handed_value(self.kernel.channel.env.machine, handed));
         }
         let tables = self.kernel.channel.tables;
         for source in tables.sources_of(id) {
             if let Some(word) = self.kernel.channel.block.look(source.register) {
-                return Some(self.kernel.scaled(source, &word, self.kernel.raw(source, &word)).0);
+                return Some(
+                    scaled_number(
+                        &self.kernel.channel,
+                        source,
+                        &word,
+                        word_number(&self.kernel.channel, source, &word),
+                    )
+                    .0,
+                );
             }
         }
         let found = self.kernel.channel.block.added.iter().find(|(other, _)| *other == id);
@@ -159,11 +170,11 @@ impl KernelHost<'_, '_> {
     /// `$FCEGAC`, `$FCESAC`
     pub(crate) fn active_code(&mut self, arguments: &[MacroValue], set: bool) -> MacroValue {
         let Some(id) = arguments.first().and_then(|item| self.code_id(item)) else { return MacroValue::Code(0) };
-        let Some(row) = self.kernel.row_of_code(id) else { return MacroValue::Code(0) };
+        let Some(row) = row_of_code(&self.kernel.channel, id) else { return MacroValue::Code(0) };
         let group = self.kernel.channel.env.machine.codes[row].group;
         let before = self.kernel.channel.state.modal.code(group).filter(|_| group != 0);
         if set {
-            self.kernel.activate_code(id);
+            activate_code(&mut self.kernel.channel, id);
         }
         code_value(before)
     }

@@ -4,20 +4,21 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::burden::shortened;
+use counterpoint_channel::macros::calls::OutputTask;
+use counterpoint_channel::macros::issued::{Later, MOST_QUEUED};
+use counterpoint_channel::macros::store::names;
+use counterpoint_emulator::channel::tool_events::load_head;
+use counterpoint_event::event::{Kind, Listing, OperatorMessage};
+use counterpoint_fault as diag;
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::host::HostCommand;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_lang::vm::MacroState;
+use counterpoint_machine::macros::model::Hook;
 
 use crate::context::KernelHost;
-use counterpoint_channel::burden::shortened;
-use counterpoint_channel::macros::calls::OutputTask;
-use counterpoint_channel::macros::issued::{Later, MOST_QUEUED};
-use counterpoint_channel::macros::store::names;
-use counterpoint_event::event::{Kind, Listing, OperatorMessage};
-use counterpoint_fault as diag;
-use counterpoint_machine::macros::model::Hook;
 
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;
@@ -110,7 +111,9 @@ impl KernelHost<'_, '_> {
             OutputTask::Tool(action, tool, offset, ns) => {
                 self.hooks().meanwhile(state, |hooks| hooks.kernel.change_tool(action, tool, offset, ns))
             }
-            OutputTask::Head(kind, id) => self.hooks().meanwhile(state, |hooks| hooks.kernel.load_head(kind, id)),
+            OutputTask::Head(kind, id) => {
+                self.hooks().meanwhile(state, |hooks| load_head(&mut hooks.kernel.channel, kind, id))
+            }
             OutputTask::Cycle(hole) => {
                 let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(MacroValue::as_real));
                 self.hooks().meanwhile(state, |hooks| hooks.output_cycle(*hole, heights))

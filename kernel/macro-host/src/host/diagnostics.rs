@@ -3,20 +3,22 @@
 //! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. *Invariant:* diagnostics raised by the diagnostic
 //! macro itself go straight to the log.
 
-use super::variables::kernels;
 use std::sync::Arc;
 
-use counterpoint_lang::diag::{self as language, DiagnosticNumber, TABLE};
-use counterpoint_lang::fault::{MacroFault, Outcome};
-use counterpoint_lang::value::MacroValue;
-
-use crate::context::KernelHost;
 use counterpoint_channel::burden::{RESULT, shortened};
+use counterpoint_channel::custom_diagnostics::customised;
 use counterpoint_channel::macros::books::operations::operation_name;
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_event::event::{Diagnostic, DiagnosticOrigin, Kind};
 use counterpoint_fault as diag;
+use counterpoint_lang::diag as language;
+use counterpoint_lang::diag::{DiagnosticNumber, TABLE};
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::macros::model::Hook;
+
+use super::variables::kernels;
+use crate::context::KernelHost;
 
 /// Numbers that `$DIAGLIST` keeps.
 const MOST_LISTED: usize = 10_000;
@@ -64,7 +66,8 @@ impl KernelHost<'_, '_> {
         text: String,
     ) -> Option<(u8, String)> {
         let made = of_language(number.0).is_none().then(|| text.clone());
-        let (custom, text) = self.kernel.customised(number.0, (severity, stops), text)?;
+        let (custom, text) =
+            customised(&mut self.kernel.channel, &self.kernel.macros, number.0, (severity, stops), text)?;
         Some(match made {
             Some(made) => (severity, made),
             None => (custom, text),

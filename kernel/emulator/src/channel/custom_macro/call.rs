@@ -2,16 +2,17 @@
 //!
 //! Facts: reference control-emulator.md 5.4. Decision: text that cannot be an argument is reported as left over.
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::CallingWord;
+use counterpoint_channel::modal_calls::ModalCall;
 use counterpoint_control_api::{MacroCall, WordHost};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_program::block::irregular;
 
 use crate::channel::Kernel;
+use crate::channel::custom_macro::code_calls::take_name;
 use crate::channel::hook_points::BlockOrigin;
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::calling_words::CallingWord;
-use counterpoint_channel::modal_calls::ModalCall;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
@@ -44,7 +45,7 @@ impl Kernel<'_> {
             None if words.call.is_some() => match words.program {
                 Some(p) if (1.0..=f64::from(u32::MAX)).contains(&p) => Some(Callee::Program(p as u32)),
                 Some(_) => None,
-                None => self.take_name().map(Callee::Named),
+                None => take_name(&mut self.channel).map(Callee::Named),
             },
             // A block that only gives the arguments: P and L are arguments, too.
             None => self.flow.modal_call().map(|call| call.what.clone()),

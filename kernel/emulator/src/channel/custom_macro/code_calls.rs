@@ -9,6 +9,10 @@
 
 use std::sync::Arc;
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::calling_words::{CallingWord, CodeCalls, CodeMacro, WordKind};
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
 use counterpoint_control_api::{MacroCall, NotThere};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -16,8 +20,7 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::model::{CallHow, NestedCalls, WordCall};
 
 use crate::channel::Kernel;
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::calling_words::{CallingWord, CodeCalls, CodeMacro, WordKind};
+use crate::channel::custom_macro::modal::has_own_call;
 
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
@@ -26,10 +29,10 @@ impl Kernel<'_> {
         let tables = self.channel.tables;
         let Some(calls) = tables.code_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
-        if !has_any || self.has_own_call() || self.flow.calls_each_block(&self.channel.block) {
+        if !has_any || has_own_call(&self.channel, &self.dialect) || self.flow.calls_each_block(&self.channel.block) {
             return false;
         }
-        if let Some((_, call, program, by)) = self.calling_word(calls, true) {
+        if let Some((_, call, program, by)) = calling_word(&self.channel, &self.flow, calls, true) {
             let how = match call.how {
                 CallHow::Moves => MacroCall::AfterMoves,
                 CallHow::Blocks => MacroCall::EachBlock,
@@ -39,44 +42,13 @@ impl Kernel<'_> {
             self.flow.code_macro = Some(Box::new(CodeMacro { register, program, how, by }));
             return true;
         }
-        while let Some((at, call, program, by)) = self.calling_word(calls, false) {
+        while let Some((at, call, program, by)) = calling_word(&self.channel, &self.flow, calls, false) {
             self.channel.block.words.remove(at);
             let letter = self.channel.env.machine.registers[call.register].name.as_str();
             let passes = if matches!(letter, "G" | "M") { self.repeat_word() } else { 1 };
             self.ask(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: Some(Box::new(by)) });
         }
         false
-    }
-
-    /// Whether a word of the block may call a program by itself, here or elsewhere.
-    #[cold]
-    pub(crate) fn calls_by_words(&self) -> bool {
-        let Some(calls) = self.channel.tables.code_calls.as_deref() else { return false };
-        self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some())
-    }
-
-    /// The first word that calls a macro, or a subprogram, and may do so here.
-    fn calling_word<'c>(
-        &self,
-        calls: &'c CodeCalls,
-        arguments: bool,
-    ) -> Option<(usize, &'c WordCall, u32, CallingWord)> {
-        self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
-            let (call, program) = calls.find(word.register, word.value)?;
-            let kind =
-                if Some(word.register) == self.channel.tables.registers.g { WordKind::G } else { WordKind::Other };
-            let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
-            fits.then_some((at, call, program, CallingWord { kind, variable: call.variable, value: word.value }))
-        })
-    }
-
-    /// Whether a word of this kind calls in the running program.
-    fn may_call(&self, kind: WordKind) -> bool {
-        let mut callers = self.flow.frames.iter().filter_map(|frame| frame.by);
-        match self.channel.env.machine.subprograms.nested {
-            NestedCalls::OtherKind => callers.all(|caller| caller != kind),
-            NestedCalls::Never => callers.next().is_none(),
-        }
     }
 
     /// Takes the repeat word off the block.
@@ -102,12 +74,43 @@ impl Kernel<'_> {
             None => Ok(()),
         }
     }
+}
 
-    /// Takes the program name off the block.
-    pub fn take_name(&mut self) -> Option<Arc<str>> {
-        let (start, end) = self.channel.block.take_name()?;
-        let line = self.channel.text_bytes();
-        let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
-        Some(String::from_utf8_lossy(name).into())
+/// Whether a word of the block may call a program by itself, here or elsewhere.
+#[cold]
+pub(crate) fn calls_by_words(channel: &ChannelContext<'_>) -> bool {
+    let Some(calls) = channel.tables.code_calls.as_deref() else { return false };
+    channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some())
+}
+
+/// The first word that calls a macro, or a subprogram, and may do so here.
+fn calling_word<'c>(
+    channel: &ChannelContext<'_>,
+    flow: &ProgramFlow,
+    calls: &'c CodeCalls,
+    arguments: bool,
+) -> Option<(usize, &'c WordCall, u32, CallingWord)> {
+    channel.block.words.iter().enumerate().find_map(|(at, word)| {
+        let (call, program) = calls.find(word.register, word.value)?;
+        let kind = if Some(word.register) == channel.tables.registers.g { WordKind::G } else { WordKind::Other };
+        let fits = arguments == (call.how != CallHow::Subprogram) && may_call(channel, flow, kind);
+        fits.then_some((at, call, program, CallingWord { kind, variable: call.variable, value: word.value }))
+    })
+}
+
+/// Whether a word of this kind calls in the running program.
+fn may_call(channel: &ChannelContext<'_>, flow: &ProgramFlow, kind: WordKind) -> bool {
+    let mut callers = flow.frames.iter().filter_map(|frame| frame.by);
+    match channel.env.machine.subprograms.nested {
+        NestedCalls::OtherKind => callers.all(|caller| caller != kind),
+        NestedCalls::Never => callers.next().is_none(),
     }
+}
+
+/// Takes the program name off the block.
+pub fn take_name(channel: &mut ChannelContext<'_>) -> Option<Arc<str>> {
+    let (start, end) = channel.block.take_name()?;
+    let line = channel.text_bytes();
+    let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
+    Some(String::from_utf8_lossy(name).into())
 }

@@ -4,5 +4,5 @@
 //! reads the words of a call; the effect of the calls on the flow of the program is here.
 
 mod call;
-mod code_calls;
-mod modal;
+pub mod code_calls;
+pub(crate) mod modal;

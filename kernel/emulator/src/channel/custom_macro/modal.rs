@@ -6,27 +6,27 @@
 //! called it and there is a G66 before that one: then its blocks call the macro of that earlier G66. G67 ends the last
 //! one; subprograms called by M98 continue calling. *Invariant:* a modal call ends with the macro that made it.
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::flow::ProgramFlow;
 use counterpoint_control_api::MacroCall;
 use counterpoint_program::block::Word;
 
-use crate::channel::Kernel;
+use crate::channel::dialect_state::DialectState;
 
-impl Kernel<'_> {
-    /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal
-    /// calls does so at once.
-    #[cold]
-    pub(crate) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
-        let call = self.dialect.kind.macro_call(g);
-        if call == Some(MacroCall::End) {
-            self.flow.modal.pop();
-        }
-        call
+/// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal
+/// calls does so at once.
+#[cold]
+pub(crate) fn macro_call_of(flow: &mut ProgramFlow, dialect: &DialectState, g: f64) -> Option<MacroCall> {
+    let call = dialect.kind.macro_call(g);
+    if call == Some(MacroCall::End) {
+        flow.modal.pop();
     }
+    call
+}
 
-    /// Whether a G word of the block calls by itself.
-    pub(super) fn has_own_call(&self) -> bool {
-        let calls = |value| self.dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
-        let is_call = |word: &Word| Some(word.register) == self.channel.tables.registers.g && calls(word.value);
-        self.channel.block.words.iter().any(is_call)
-    }
+/// Whether a G word of the block calls by itself.
+pub(super) fn has_own_call(channel: &ChannelContext<'_>, dialect: &DialectState) -> bool {
+    let calls = |value| dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
+    let is_call = |word: &Word| Some(word.register) == channel.tables.registers.g && calls(word.value);
+    channel.block.words.iter().any(is_call)
 }

@@ -1,5 +1,7 @@
 //! Jumps, loops, calls and returns of the interpreter.
 
+use counterpoint_channel::block_places::block_after;
+use counterpoint_channel::callee::Pending;
 use counterpoint_control_api::{FlowHost, LoopStack, NamedContour, SubprogramCall};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::contour::element::Element;
@@ -7,7 +9,6 @@ use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
-use counterpoint_channel::callee::Pending;
 
 impl FlowHost for Kernel<'_> {
     fn go_to(&mut self, line: u32) -> Acted {
@@ -23,7 +24,7 @@ impl FlowHost for Kernel<'_> {
     }
 
     fn after(&self, block: BlockStart) -> BlockStart {
-        Kernel::after(self, block)
+        block_after(&self.channel, &self.flow, block)
     }
 
     fn catch_up(&mut self) -> Acted {

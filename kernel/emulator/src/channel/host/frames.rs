@@ -1,5 +1,10 @@
 //! Axes, frames and modes for the interpreter.
 
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::{feed_of, group};
+use counterpoint_channel::offset_tables::{OffsetTable, Radii};
+use counterpoint_channel::word_values::axis_diameter_factor;
 use counterpoint_control_api::{AxisPlace, FrameHost, ModalSnapshot};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, codes, data};
@@ -7,36 +12,28 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use counterpoint_channel::channel_axis::ChannelAxis;
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::modal::{feed_of, group};
-use counterpoint_channel::offset_tables::{OffsetTable, Radii};
 
-impl Kernel<'_> {
-    /// Factor from positions as the program counts them to those of an axis.
-    fn program_factor(&self, axis: AxisSlot) -> f64 {
-        let turns = self.channel.state.place.layout.axes[axis].rotary;
-        let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
-        length * self.axis_diameter_factor(axis)
-    }
+/// Factor from positions as the program counts them to those of an axis.
+fn program_factor(channel: &ChannelContext<'_>, axis: AxisSlot) -> f64 {
+    let turns = channel.state.place.layout.axes[axis].rotary;
+    let length = if turns { 1.0 } else { channel.unit_factor(Dimension::Length) };
+    length * axis_diameter_factor(channel, axis)
 }
 
-impl Kernel<'_> {
-    /// The axis along which tool lengths count: the axis normal to the plane.
-    fn along(&self) -> Option<AxisSlot> {
-        let role = match self.channel.state.modal.code(group::PLANE) {
-            Some(codes::PLANE_ZX) => 1,
-            Some(codes::PLANE_YZ) => 0,
-            _ => 2,
-        };
-        self.channel.state.place.layout.cartesian.get(role).copied().flatten()
-    }
+/// The axis along which tool lengths count: the axis normal to the plane.
+fn length_axis(channel: &ChannelContext<'_>) -> Option<AxisSlot> {
+    let role = match channel.state.modal.code(group::PLANE) {
+        Some(codes::PLANE_ZX) => 1,
+        Some(codes::PLANE_YZ) => 0,
+        _ => 2,
+    };
+    channel.state.place.layout.cartesian.get(role).copied().flatten()
+}
 
-    /// Length along the tool and radius of an offset, wear included.
-    fn size(&self, offset: u32) -> [f64; 2] {
-        let length = self.along().map_or(0.0, |axis| self.channel.worn_length(offset).at(axis));
-        [length, self.channel.worn_radius(offset)]
-    }
+/// Length along the tool and radius of an offset, wear included.
+fn offset_size(channel: &ChannelContext<'_>, offset: u32) -> [f64; 2] {
+    let length = length_axis(channel).map_or(0.0, |axis| channel.worn_length(offset).at(axis));
+    [length, channel.worn_radius(offset)]
 }
 
 impl FrameHost for Kernel<'_> {
@@ -46,12 +43,12 @@ impl FrameHost for Kernel<'_> {
         let counted = self.channel.state.place.counted();
         let places = self.channel.state.place.layout.axes.entries().map(|(slot, axis)| {
             let named = &self.channel.env.machine.axes[axis.machine];
-            let factor = self.program_factor(slot);
+            let factor = program_factor(&self.channel, slot);
             AxisPlace {
                 name: named.name.clone(),
                 letter: named.letter.clone(),
                 turns: axis.rotary,
-                diameter: self.axis_diameter_factor(slot) * axis.scale < 1.0,
+                diameter: axis_diameter_factor(&self.channel, slot) * axis.scale < 1.0,
                 work: programmed.at(slot) / factor,
                 from: counted.at(slot) / factor,
                 machine: machine.at(slot) / factor,
@@ -96,7 +93,7 @@ impl FrameHost for Kernel<'_> {
             let Some(at) = *axis else { continue };
             let scale = self.channel.state.place.layout.axes[at].scale;
             if let Some(shift) = rows.get_mut(row * 4 + 3) {
-                *shift /= scale * self.program_factor(at);
+                *shift /= scale * program_factor(&self.channel, at);
             }
         }
         rows
@@ -140,13 +137,20 @@ impl FrameHost for Kernel<'_> {
 
     fn offset(&self, number: u32) -> Vec<f64> {
         let values = self.channel.offset_values(OffsetTable::Work, number);
-        self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
+        self.channel
+            .state
+            .place
+            .layout
+            .axes
+            .ids()
+            .map(|axis| values.at(axis) / program_factor(&self.channel, axis))
+            .collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
         let mut offset = self.channel.offset_values(OffsetTable::Work, number);
         for (axis, value) in self.channel.state.place.layout.axes.ids().zip(values) {
-            *offset.at_mut(axis) = value * self.program_factor(axis);
+            *offset.at_mut(axis) = value * program_factor(&self.channel, axis);
         }
         Kernel::set_offset(self, OffsetTable::Work, number, offset)
     }
@@ -171,7 +175,7 @@ impl FrameHost for Kernel<'_> {
 
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>) {
         let Some(axis) = slot_of(&self.channel, letter) else { return };
-        let to = to * self.program_factor(axis);
+        let to = to * program_factor(&self.channel, axis);
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         let factor = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Feed) };
         self.channel.go_beside(axis, to, feed.map(|feed| feed * factor));
@@ -202,12 +206,12 @@ impl FrameHost for Kernel<'_> {
     fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)> {
         let axis = slot_of(&self.channel, letter)?;
         let (limit, counts) = self.channel.area_side(axis, high);
-        Some((limit.map(|limit| limit / self.program_factor(axis)), counts))
+        Some((limit.map(|limit| limit / program_factor(&self.channel, axis)), counts))
     }
 
     fn set_area_side(&mut self, letter: &str, high: bool, limit: Option<f64>, counts: Option<bool>) -> bool {
         let Some(axis) = slot_of(&self.channel, letter) else { return false };
-        let limit = limit.map(|limit| limit * self.program_factor(axis));
+        let limit = limit.map(|limit| limit * program_factor(&self.channel, axis));
         if let Some(side) = self.channel.work_area().side(axis, high) {
             (side.limit, side.enabled) = (limit.or(side.limit), counts.or(side.enabled));
         }
@@ -243,18 +247,21 @@ impl FrameHost for Kernel<'_> {
         let place = &self.channel.state.place;
         let length = if place.in_force.length_sign == 0.0 { 0 } else { place.in_force.length_number };
         let radius = self.channel.state.remembered.diameter();
-        [if length == 0 { 0.0 } else { self.size(length)[0] }, if radius == 0 { 0.0 } else { self.size(radius)[1] }]
+        [
+            if length == 0 { 0.0 } else { offset_size(&self.channel, length)[0] },
+            if radius == 0 { 0.0 } else { offset_size(&self.channel, radius)[1] },
+        ]
     }
 
     fn tool_size(&self, offset: u32) -> [f64; 2] {
-        self.size(offset)
+        offset_size(&self.channel, offset)
     }
 
     fn set_tool_size(&mut self, offset: u32, at: usize, value: f64) -> bool {
         if at > 0 {
             return self.channel.set_offset_radius(Radii::Cutter, offset, value);
         }
-        let Some(along) = self.along() else { return false };
+        let Some(along) = length_axis(&self.channel) else { return false };
         let mut values = self.channel.offset_values(OffsetTable::Length, offset);
         *values.at_mut(along) = value;
         self.channel.state.place.offsets.get_or_insert_default().store(OffsetTable::Length, offset, values)
@@ -262,25 +269,39 @@ impl FrameHost for Kernel<'_> {
 
     fn tool_offset(&self, offset: u32) -> Vec<f64> {
         let values = self.channel.worn_length(offset);
-        self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
+        self.channel
+            .state
+            .place
+            .layout
+            .axes
+            .ids()
+            .map(|axis| values.at(axis) / program_factor(&self.channel, axis))
+            .collect()
     }
 
     fn set_tool_offset(&mut self, offset: u32, values: &[f64]) -> bool {
         let mut lengths = self.channel.offset_values(OffsetTable::Length, offset);
         for (axis, value) in self.channel.state.place.layout.axes.ids().zip(values) {
-            *lengths.at_mut(axis) = value * self.program_factor(axis);
+            *lengths.at_mut(axis) = value * program_factor(&self.channel, axis);
         }
         Kernel::set_offset(self, OffsetTable::Length, offset, lengths)
     }
 
     fn length_in_force(&self) -> Vec<f64> {
         let values = self.channel.tool_shift();
-        self.channel.state.place.layout.axes.ids().map(|axis| values.at(axis) / self.program_factor(axis)).collect()
+        self.channel
+            .state
+            .place
+            .layout
+            .axes
+            .ids()
+            .map(|axis| values.at(axis) / program_factor(&self.channel, axis))
+            .collect()
     }
 
     fn set_preset(&mut self, values: &[f64]) {
         for (axis, value) in self.channel.state.place.layout.axes.clone().ids().zip(values) {
-            let value = value * self.program_factor(axis);
+            let value = value * program_factor(&self.channel, axis);
             *self.channel.state.place.preset.at_mut(axis) = value;
         }
         self.reframe();

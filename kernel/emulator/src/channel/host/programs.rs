@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use counterpoint_fault::Acted;
-
-use crate::channel::Kernel;
+use counterpoint_channel::block_places::block_start;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::macros::runtime::Runtime;
 use counterpoint_control_api::{ProgramHost, ProgramPlace};
 use counterpoint_event::event::FileId;
+use counterpoint_fault::Acted;
 use counterpoint_program::block::Block;
 use counterpoint_program::key_words::StatementVocabulary;
 use counterpoint_program::scan::LineScanner;
@@ -14,19 +15,20 @@ use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;
 
-impl Kernel<'_> {
-    /// The scanner for the text of the block in process.
-    fn scanner(&self) -> &LineScanner {
-        if self.plan.hooks.is_none() {
-            return &self.channel.tables.scanner;
-        }
-        let runtime = &*self.macros;
-        let own = match &self.channel.tables.unmarked {
-            Some(scanner) if self.channel.context.made => return scanner,
-            _ => &runtime.reading.switched,
-        };
-        own.as_deref().unwrap_or(&self.channel.tables.scanner)
+use crate::channel::Kernel;
+use crate::channel::macro_queries::block_scanner;
+use crate::channel::plan::ExecutionPlan;
+
+/// The scanner for the text of the block in process.
+fn scanner_of_block<'p>(plan: &ExecutionPlan, channel: &'p ChannelContext<'_>, macros: &'p Runtime) -> &'p LineScanner {
+    if plan.hooks.is_none() {
+        return &channel.tables.scanner;
     }
+    let own = match &channel.tables.unmarked {
+        Some(scanner) if channel.context.made => return scanner,
+        _ => &macros.reading.switched,
+    };
+    own.as_deref().unwrap_or(&channel.tables.scanner)
 }
 
 impl ProgramHost for Kernel<'_> {
@@ -53,7 +55,7 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn spot(&self) -> BlockStart {
-        Kernel::spot(self)
+        block_start(&self.channel, &self.flow)
     }
 
     fn program(&self) -> Option<(FileId, ProgramRange)> {
@@ -93,7 +95,7 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]> {
-        let (tables, own) = (self.channel.tables, self.block_scanner());
+        let (tables, own) = (self.channel.tables, block_scanner(self.plan, &self.channel, &self.macros));
         own.as_deref().unwrap_or(&tables.scanner).strip(text, into, &mut self.channel.block);
         let messages = self.channel.block.messages.as_slice().into();
         if displays && self.plan.hooks.is_none() {
@@ -112,7 +114,7 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn names(&self) -> StatementVocabulary<'_> {
-        self.scanner().names()
+        scanner_of_block(self.plan, &self.channel, &self.macros).names()
     }
 
     fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], StatementVocabulary<'_>)) {
@@ -128,7 +130,7 @@ impl ProgramHost for Kernel<'_> {
     }
 
     fn skips(&self, level: Option<u8>) -> bool {
-        self.scanner().skips(level)
+        scanner_of_block(self.plan, &self.channel, &self.macros).skips(level)
     }
 
     fn work(&mut self, elements: usize) -> Acted {

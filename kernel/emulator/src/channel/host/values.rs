@@ -1,13 +1,14 @@
 //! Variables of the kernel and of the machine for the interpreter.
 
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_lang::value::MacroValue;
-
-use crate::channel::Kernel;
 use counterpoint_channel::shared_target::SharedTarget;
 use counterpoint_control_api::{IdentificationAnswer, NotThere, ValueHost};
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_sync::races::AccessMode;
+
+use crate::channel::Kernel;
+use crate::channel::variables::is_common;
 
 impl ValueHost for Kernel<'_> {
     fn shared(&mut self, name: &str) -> Result<Option<MacroValue>, Halt> {
@@ -62,7 +63,7 @@ impl ValueHost for Kernel<'_> {
     }
 
     fn is_common(&self, index: u32) -> bool {
-        Kernel::is_common(self, index)
+        is_common(&self.channel, index)
     }
 
     fn set_vacant(&mut self, on: bool) {

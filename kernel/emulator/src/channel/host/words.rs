@@ -1,6 +1,6 @@
 //! Words of the machine for the interpreter.
 
-use crate::channel::Kernel;
+use counterpoint_channel::queued_codes::literal_of;
 use counterpoint_control_api::{MadeWord, WordHost};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
@@ -8,6 +8,9 @@ use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_machine::number::{shortest, written};
 use counterpoint_program::block::{Block, Word, irregular};
 use counterpoint_program::key_words::WrittenNumber;
+
+use crate::channel::Kernel;
+use crate::channel::left_words::{left_plain, left_unknown, left_value, left_written};
 
 impl WordHost for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
@@ -79,7 +82,7 @@ impl WordHost for Kernel<'_> {
     fn separate_text(&self, text: &str) -> Option<CodeRowId> {
         let block = scanned_apart(self, text);
         let [row] = block.texts.as_slice() else { return None };
-        let is_whole = self.literal_of(*row) == Some(text) && block.words.is_empty() && !block.has_remarks();
+        let is_whole = literal_of(&self.channel, *row) == Some(text) && block.words.is_empty() && !block.has_remarks();
         let is_longer = |name: &[u8]| name.first() == Some(&b' ');
         (is_whole && block.sequence.is_none() && !self.channel.tables.names.continues(text, is_longer)).then_some(*row)
     }
@@ -132,7 +135,7 @@ impl WordHost for Kernel<'_> {
     }
 
     fn push_value(&mut self, register: (RegisterId, bool), value: f64, spelled: Option<&str>, span: (u32, u32)) {
-        self.left_value(register, value, spelled, span);
+        left_value(&mut self.channel, &mut self.flow, &mut self.dialect, register, value, spelled, span);
     }
 
     fn push_computed(&mut self, (register, incremental): (RegisterId, bool), value: f64, (start, end): (u32, u32)) {
@@ -158,7 +161,7 @@ impl WordHost for Kernel<'_> {
     fn push_literal(&mut self, row: CodeRowId, span: (u32, u32)) {
         self.channel.block.push_text(row, span);
         let kernel = &*self;
-        let text = kernel.dialect.left.asked.then(|| kernel.literal_of(row).unwrap_or_default().to_owned());
+        let text = kernel.dialect.left.asked.then(|| literal_of(&kernel.channel, row).unwrap_or_default().to_owned());
         if let Some(text) = text {
             self.dialect.left.add(|| text);
         }
@@ -170,7 +173,7 @@ impl WordHost for Kernel<'_> {
     }
 
     fn push_plain(&mut self, text: &[u8], span: (u32, u32)) {
-        self.left_plain(text, span);
+        left_plain(&mut self.channel, &mut self.flow, &mut self.dialect, text, span);
     }
 
     fn push_number(
@@ -192,11 +195,11 @@ impl WordHost for Kernel<'_> {
     }
 
     fn push_written(&mut self, words: &str, span: (u32, u32)) {
-        self.left_written(words, span);
+        left_written(&mut self.channel, &mut self.flow, &mut self.dialect, words, span);
     }
 
     fn push_unknown(&mut self, text: &[u8], span: (u32, u32)) {
-        self.left_unknown(text, span);
+        left_unknown(&mut self.channel, &mut self.flow, &mut self.dialect, text, span);
     }
 
     fn join_lines(&mut self, text: &[u8]) {

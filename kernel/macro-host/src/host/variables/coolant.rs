@@ -2,19 +2,20 @@
 //!
 //! *Invariant:* a value that a macro sets makes no event. Facts: reference system-variables.md 6.
 
+use counterpoint_channel::coolant::code_of;
+use counterpoint_channel::macro_queries::{activate_code, row_of_code};
+use counterpoint_channel::modal::group;
+use counterpoint_emulator::channel::Kernel;
+use counterpoint_event::event::{Coolant, Outlet};
 use counterpoint_lang::diag::DiagnosticNumber;
 use counterpoint_lang::fault::{MacroFault, Outcome};
 use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::MacroValue;
-
-use super::{Read, Write};
-use counterpoint_channel::coolant::code_of;
-use counterpoint_channel::modal::group;
-use counterpoint_emulator::channel::Kernel;
-use counterpoint_event::event::{Coolant, Outlet};
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::coolant::CoolantTarget;
 use counterpoint_machine::ident::{CodeId, codes};
+
+use super::{Read, Write};
 
 /// Modal group of the first coolant device, less one.
 const DEVICES: u16 = 540;
@@ -40,9 +41,9 @@ fn fluid(kernel: &Kernel<'_>) -> u8 {
 
 fn set_fluid(kernel: &mut Kernel<'_>, fluid: u8) -> Outcome<()> {
     let outlet = outlet(kernel);
-    match code_of(fluid, outlet).filter(|code| kernel.row_of_code(*code).is_some()) {
+    match code_of(fluid, outlet).filter(|code| row_of_code(&kernel.channel, *code).is_some()) {
         Some(code) => {
-            kernel.activate_code(code);
+            activate_code(&mut kernel.channel, code);
             kernel.channel.state.others.coolant.note(fluid, outlet);
             Ok(())
         }
@@ -93,9 +94,9 @@ fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &MacroValue) -> Outcom
         1.0 => device(at, true),
         _ => None,
     };
-    match wanted.filter(|code| kernel.row_of_code(*code).is_some()) {
+    match wanted.filter(|code| row_of_code(&kernel.channel, *code).is_some()) {
         Some(code) => {
-            kernel.activate_code(code);
+            activate_code(&mut kernel.channel, code);
             Ok(())
         }
         None => Err(MacroFault::new(

@@ -3,16 +3,17 @@
 //! *Invariant:* a value that is set before the first code of a cycle belongs to that cycle. Facts: reference
 //! system-variables.md 8.
 
-use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::value::MacroValue;
-
-use super::{Read, Write};
 use counterpoint_channel::cycle::{Cycle, Height};
+use counterpoint_channel::macro_queries::activate_code;
 use counterpoint_channel::modal::group;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_event::info::MachineUnit;
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::codes;
+
+use super::{Read, Write};
 
 fn optional(value: Option<f64>) -> MacroValue {
     value.map_or(MacroValue::Null, MacroValue::Real)
@@ -101,7 +102,7 @@ fn retract_mode(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
 
 fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let stays = number(value) >= 1.0;
-    kernel.activate_code(if stays { codes::CYCLE_RETRACT_R } else { codes::CYCLE_RETRACT_INITIAL });
+    activate_code(&mut kernel.channel, if stays { codes::CYCLE_RETRACT_R } else { codes::CYCLE_RETRACT_INITIAL });
     Ok(())
 }
 

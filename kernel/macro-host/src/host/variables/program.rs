@@ -1,20 +1,21 @@
 //! Variables of the program, the subprograms, diagnostics and the definition.
 
-use crate::context::MacroHooks;
-use counterpoint_channel::text;
-use counterpoint_lang::diag::DiagnosticNumber;
-use counterpoint_lang::fault::{MacroFault, Outcome};
-use counterpoint_lang::value::MacroValue;
-
-use super::{Read, Write};
+use counterpoint_channel::block_places::neighbour_block;
 use counterpoint_channel::macros::store::SystemVariableStore;
 use counterpoint_channel::macros::values::code_value;
+use counterpoint_channel::text;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::unit_switch::switch_unit;
 use counterpoint_event::info::MachineUnit;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::MachineKind;
+
+use super::{Read, Write};
+use crate::context::MacroHooks;
 
 fn number(value: impl Into<f64>) -> MacroValue {
     MacroValue::Real(value.into())
@@ -45,7 +46,7 @@ fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Mac
 
 /// The block before or after the current one.
 fn neighbour(kernel: &Kernel<'_>, behind: bool) -> MacroValue {
-    MacroValue::text(kernel.neighbour(behind).unwrap_or_default())
+    MacroValue::text(neighbour_block(&kernel.channel, &kernel.flow, behind).unwrap_or_default())
 }
 
 /// The kind of the machine: its type, positioning modes and units.

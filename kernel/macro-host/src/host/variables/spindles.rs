@@ -3,18 +3,18 @@
 //! *Invariant:* a value that a macro sets counts from the next action on and makes no event. Facts: reference
 //! system-variables.md 6, 9.
 
-use counterpoint_lang::diag::DiagnosticNumber;
-use counterpoint_lang::fault::{MacroFault, Outcome};
-use counterpoint_lang::value::MacroValue;
-
-use super::{Read, Write};
+use counterpoint_channel::macro_queries::{activate_code, row_of_code};
 use counterpoint_channel::modal::group;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_event::event::SpindleDirection;
 use counterpoint_event::info::MachineUnit;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::codes;
-
 use counterpoint_sync::shared::SpindleCommand;
+
+use super::{Read, Write};
 
 fn number(value: impl Into<f64>) -> MacroValue {
     MacroValue::Real(value.into())
@@ -64,12 +64,12 @@ fn mode(kernel: &Kernel<'_>, _: &[i64]) -> MacroValue {
 fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let mode = real(value);
     if mode == 0.0 {
-        kernel.activate_code(codes::SPINDLE_OFF);
+        activate_code(&mut kernel.channel, codes::SPINDLE_OFF);
         return set(kernel, |command| command.direction = SpindleDirection::Off);
     }
     let css = mode != 2.0;
     let driver = kernel.channel.state.others.spindles.driver.unwrap_or(kernel.channel.at.channel);
-    kernel.activate_code(if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
+    activate_code(&mut kernel.channel, if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
     set(kernel, |command| {
         if css && !command.css {
             command.driver = driver;
@@ -93,7 +93,7 @@ fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outc
         2.0 => (codes::SPINDLE_CCLW, SpindleDirection::CounterClockwise),
         _ => return Ok(()),
     };
-    kernel.activate_code(code);
+    activate_code(&mut kernel.channel, code);
     set(kernel, |command| command.direction = direction)
 }
 
@@ -116,10 +116,10 @@ fn set_spindle_in_work(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -
         (_, true) => codes::SPINDLE_REAR,
         _ => return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "a spindle is FRONT or REAR")),
     };
-    if kernel.row_of_code(wanted).is_none() {
+    if row_of_code(&kernel.channel, wanted).is_none() {
         return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "the machine has no code for this spindle"));
     }
-    kernel.activate_code(wanted);
+    activate_code(&mut kernel.channel, wanted);
     Ok(())
 }
 

@@ -1,11 +1,6 @@
 //! Variables of feeds, modes, tools, operations and times.
 
-use crate::context::KernelHost;
-use counterpoint_lang::diag::DiagnosticNumber;
-use counterpoint_lang::fault::{MacroFault, Outcome};
-use counterpoint_lang::value::MacroValue;
-
-use super::{Read, Write, positions};
+use counterpoint_channel::macro_queries::activate_code;
 use counterpoint_channel::macros::books::operations::set_operation_value;
 use counterpoint_channel::macros::books::travel::RangeEnd;
 use counterpoint_channel::macros::runtime::Runtime;
@@ -13,7 +8,13 @@ use counterpoint_channel::macros::store::names;
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_event::event::FeedUnit;
+use counterpoint_lang::diag::DiagnosticNumber;
+use counterpoint_lang::fault::{MacroFault, Outcome};
+use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::{CodeId, codes};
+
+use super::{Read, Write, positions};
+use crate::context::KernelHost;
 
 fn number(value: impl Into<f64>) -> MacroValue {
     MacroValue::Real(value.into())
@@ -47,7 +48,7 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &MacroValue
     let wanted = value.as_real();
     match list.iter().find(|(_, number)| Some(*number) == wanted) {
         Some((code, _)) => {
-            kernel.activate_code(*code);
+            activate_code(&mut kernel.channel, *code);
             Ok(())
         }
         None => Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "unknown mode number")),
@@ -73,7 +74,7 @@ fn reads_diameters(kernel: &Kernel<'_>) -> bool {
 fn switch_diameter_x(kernel: &mut Kernel<'_>, _: &[i64], value: &MacroValue) -> Outcome<()> {
     let wanted = value.as_logical() == Some(true);
     if wanted != reads_diameters(kernel) {
-        kernel.activate_code(if wanted { codes::XAXIS_DIAMETER } else { codes::XAXIS_RADIUS });
+        activate_code(&mut kernel.channel, if wanted { codes::XAXIS_DIAMETER } else { codes::XAXIS_RADIUS });
         if wanted != reads_diameters(kernel) {
             return Err(MacroFault::new(DiagnosticNumber::BAD_VALUE, "the machine has no code for this"));
         }
@@ -171,7 +172,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| MacroValue::Logical(k.channel.state.modal.code(group::MOTION) == Some(codes::RAPID)),
             Some(|k, _, value| {
                 let rapid = value.as_logical() == Some(true);
-                k.activate_code(if rapid { codes::RAPID } else { codes::INTERP_LINEAR });
+                activate_code(&mut k.channel, if rapid { codes::RAPID } else { codes::INTERP_LINEAR });
                 Ok(())
             }),
         ),
@@ -185,8 +186,8 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| {
                 let probing = k.channel.state.modal.code(group::MOTION) == Some(codes::INTERP_SKIP);
                 match (value.as_real() == Some(1.0), probing) {
-                    (true, false) => k.activate_code(codes::INTERP_SKIP),
-                    (false, true) => k.activate_code(codes::INTERP_LINEAR),
+                    (true, false) => activate_code(&mut k.channel, codes::INTERP_SKIP),
+                    (false, true) => activate_code(&mut k.channel, codes::INTERP_LINEAR),
                     _ => None,
                 };
                 Ok(())
