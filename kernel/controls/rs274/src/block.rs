@@ -12,8 +12,11 @@ use counterpoint_control_api::words::Span;
 /// Letters of axes.
 pub(super) const AXES: &[u8] = b"xyzabcuvw";
 
-/// Letters of GRBL besides G, M and N.
-const GRBL_LETTERS: &[u8] = b"fijklprstxyz";
+/// Letters of GRBL besides G and M.
+const GRBL_LETTERS: &[u8] = b"fijklnprstxyz";
+
+/// Highest sequence number of GRBL.
+const GRBL_NUMBERS: f64 = 10_000_000.0;
 
 /// Highest tool number of GRBL.
 const GRBL_TOOLS: f64 = 255.0;
@@ -49,6 +52,8 @@ pub(super) struct BlockModes {
     pub(super) motion: u16,
     /// G93 is active.
     pub(super) inverse_time: bool,
+    /// A feed is active.
+    pub(super) has_feed: bool,
 }
 
 fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
@@ -163,7 +168,7 @@ impl BlockWords {
             }
             let Some(facts) = g_code(*code, kind) else {
                 let text = format!("{} is not a code of this control", spelled(*code));
-                return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, 20, text));
+                return Err(Rs274Mistake::new(&diag::UNKNOWN_CODE, error_of_unknown(*code, kind), text));
             };
             // G53 may accompany a motion, G4 any code.
             let beside = |code: u16| matches!(code, 40 | 530);
@@ -215,8 +220,13 @@ impl BlockWords {
         if self.has_g(530) && !matches!(motion, 0 | 10) {
             return Err(refused(30, format!("G53 needs G0 or G1, but {name} is active")));
         }
-        if matches!(motion, 20 | 30) && (self.has_axes() || self.has_offsets() || self.has(b'r')) {
-            if modes.kind.is_firmware() && !self.has_axes() {
+        let firmware = modes.kind.is_firmware();
+        if firmware && explicit && !self.has_axes() && motion != 0 && !self.has(b'f') && !modes.has_feed {
+            return Err(refused(22, format!("no feed rate is programmed for {name}")));
+        }
+        if matches!(motion, 20 | 30) && (firmware || self.has_axes() || self.has_offsets() || self.has(b'r')) {
+            // The circle of grblHAL may be a full one without its end.
+            if firmware && !self.has_axes() && (modes.kind == Rs274Kind::Grbl || self.has(b'r')) {
                 return Err(refused(26, format!("{name} has no axis word")));
             }
             if !self.has_offsets() && !self.has(b'r') {
@@ -238,6 +248,9 @@ impl BlockWords {
             let letter = char::from(word.letter.to_ascii_uppercase());
             return Err(refused(20, format!("{name} takes no rotary axis {letter}: turn it in a block of its own")));
         }
+        if matches!(motion, 330 | 331) && self.has(b'f') {
+            return Err(refused(20, format!("{name} takes its feed from K: remove F")));
+        }
         if inverse && is_cycle(motion) {
             return Err(refused(22, format!("{name} is not possible under G93: write G94 before it")));
         }
@@ -254,7 +267,7 @@ impl BlockWords {
         };
         for word in &self.words {
             let letter = word.letter;
-            let always = matches!(letter, b'f' | b's' | b't' | b'@' | b'^') || AXES.contains(&letter);
+            let always = matches!(letter, b'f' | b'n' | b's' | b't' | b'@' | b'^') || AXES.contains(&letter);
             if !always && !of_codes(letter) && !of_m(letter) {
                 let name = char::from(letter.to_ascii_uppercase());
                 return Err(refused(36, format!("{name} is not used by a code of the block: remove it")));
@@ -264,6 +277,7 @@ impl BlockWords {
     }
 
     fn check_signs(&self) -> Result<(), Rs274Mistake> {
+        self.check_turns()?;
         let dwells = self.has_g(40);
         let negative = |word: &&BlockWord| {
             word.value < 0.0 && (matches!(word.letter, b'f' | b's' | b't') || word.letter == b'p' && dwells)
@@ -276,6 +290,40 @@ impl BlockWords {
             None => Ok(()),
         }
     }
+
+    /// P beside a circle, and the words of M19.
+    fn check_turns(&self) -> Result<(), Rs274Mistake> {
+        if matches!(self.motion, Some(20 | 30))
+            && let Some(turns) = self.get(b'p')
+        {
+            if self.has_g(40) {
+                return Err(refused(20, "P belongs to G4 and to the circle: write two blocks"));
+            }
+            if whole(turns).is_none_or(|turns| turns == 0) {
+                return Err(refused(23, "P of a circle, the number of turns, must be a whole number of at least 1"));
+            }
+        }
+        if !self.has_m(19) {
+            return Ok(());
+        }
+        if self.get(b'r').is_some_and(|angle| !(0.0..=360.0).contains(&angle)) {
+            return Err(refused(20, "R of M19, the angle, must be 0 to 360"));
+        }
+        if self.get(b'p').is_some_and(|way| whole(way).is_none_or(|way| way > 2)) {
+            return Err(refused(20, "P of M19, the way round, must be 0, 1 or 2"));
+        }
+        if self.get(b'q').is_some_and(|seconds| seconds <= 0.0) {
+            return Err(refused(20, "Q of M19, the seconds to wait, must be above 0"));
+        }
+        Ok(())
+    }
+}
+
+/// The error for a G code that the control does not have. GRBL reads the number before the point first.
+fn error_of_unknown(code: u16, kind: Rs274Kind) -> u8 {
+    let known = !code.is_multiple_of(10) && g_code(code / 10 * 10, kind).is_some();
+    let has_own = matches!(code / 10, 28 | 30 | 38 | 43 | 61 | 90 | 91 | 92);
+    if kind == Rs274Kind::Grbl && known && !has_own { 23 } else { 20 }
 }
 
 /// Refuses words that GRBL or grblHAL refuses without regard to the rest of the block.
@@ -285,12 +333,19 @@ fn check_firmware(word: &BlockWord, kind: Rs274Kind) -> Result<(), Rs274Mistake>
         Rs274Kind::GrblHal => word.letter.is_ascii_lowercase(),
         _ => matches!(word.letter, b'g' | b'm') || GRBL_LETTERS.contains(&word.letter),
     };
+    if !word.letter.is_ascii_lowercase() {
+        let text = format!("expected a letter, found '{name}'");
+        return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 1, text));
+    }
     if !known {
         let text = format!("{name} is not a word of this control: remove it");
         return Err(Rs274Mistake::new(&diag::UNKNOWN_TEXT, 20, text));
     }
-    if matches!(word.letter, b'f' | b'p' | b's' | b't') && word.value < 0.0 {
+    if matches!(word.letter, b'f' | b'n' | b'p' | b's' | b't') && word.value < 0.0 {
         return Err(refused(4, format!("{name} is negative: write a positive number")));
+    }
+    if word.letter == b'n' && word.value > GRBL_NUMBERS {
+        return Err(refused(27, format!("{name} is at most {GRBL_NUMBERS}")));
     }
     if kind == Rs274Kind::Grbl && word.letter == b't' && word.value > GRBL_TOOLS {
         return Err(refused(38, format!("{name} is at most {GRBL_TOOLS}")));
@@ -326,7 +381,9 @@ mod tests {
                 BlockWord { letter: letter.as_bytes()[0], value: value.parse().unwrap(), spelled: None, span: (0, 1) };
             block.add(word, kind).map_err(|mistake| mistake.error)?;
         }
-        block.check(BlockModes { kind, motion, inverse_time: false }).map_err(|mistake| mistake.error)?;
+        block
+            .check(BlockModes { kind, motion, inverse_time: false, has_feed: true })
+            .map_err(|mistake| mistake.error)?;
         Ok(block.motion)
     }
 
@@ -341,7 +398,16 @@ mod tests {
             ("e1 g0 g1", 20),
             ("t256", 38),
             ("g10 l2 p-1 x0", 4),
-            ("g59.1", 20),
+            ("g59.1", 23),
+            ("g1.5 x1", 23),
+            ("g28.2", 20),
+            ("g2", 26),
+            ("g2 i1", 26),
+            ("h1", 20),
+            ("@1", 1),
+            ("n-1 x1", 4),
+            ("n10000001", 27),
+            ("x1 n5 n6", 25),
             ("g0 g1", 21),
             ("g20 g21", 21),
             ("g0 g92 x1", 24),
@@ -356,6 +422,10 @@ mod tests {
             assert_eq!(checked(text, true, 0), Err(error), "{text}");
         }
         assert_eq!(checked("x1", true, NO_MOTION), Err(31));
+        for text in ["g33 z1 k1 f1", "m19 r361", "m19 p3", "m19 q0", "g4 p1 g2 x1 i1"] {
+            assert_eq!(checked(text, false, 0), Err(20), "{text}");
+        }
+        assert_eq!(checked("g2 x1 i1 p0", false, 0), Err(23));
         assert_eq!(checked("g92 x1", true, 10), Ok(None));
         assert_eq!(checked("g53 x1", true, 10), Ok(Some(10)));
         assert_eq!(checked("g80 g28", true, 10), Ok(Some(NO_MOTION)));

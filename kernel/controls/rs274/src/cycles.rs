@@ -8,13 +8,19 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes as ids;
 
 use super::block::{AXES, BlockWords};
-use super::codes::spelled;
+use super::codes::{Rs274Kind, spelled};
 use super::motion::{push_axis, push_feed, work};
 use super::polar::without_polar;
-use super::run::{push_code, push_named, push_value};
+use super::run::{push_code, push_named, push_value, push_word};
 use super::text::Rs274Mistake;
 use super::{Outcome, Rs274};
 use counterpoint_control_api::host::InterpreterHost;
+
+/// Seconds that grblHAL waits after each peck.
+const GRBLHAL_DWELL: f64 = 0.25;
+
+/// Short retract of G73 of grblHAL, mm (setting $28).
+const GRBLHAL_RETRACT: f64 = 0.1;
 
 /// Words that a cycle remembers.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,6 +49,84 @@ fn refused(error: u8, text: String) -> Rs274Mistake {
     Rs274Mistake::new(&diag::REFUSED, error, text)
 }
 
+/// A hole of G73 or G83 of grblHAL: the tool returns to its depth at feed, and stays there for a time after each peck.
+struct PeckedHole {
+    /// The axes of the plane and of the hole.
+    plane: [usize; 3],
+    clear: f64,
+    depth: f64,
+    back: f64,
+    step: f64,
+    /// G73: short retracts.
+    breaks: bool,
+}
+
+impl PeckedHole {
+    fn leave_blocks(&self, host: &mut dyn InterpreterHost, words: &BlockWords, count: u32, level: f64) -> Outcome<()> {
+        let [first, second, along] = self.plane;
+        let (relative, span) = (host.relative(), words.whole);
+        let short = GRBLHAL_RETRACT / host.length_factor();
+        let in_plane = [first, second].map(|at| AXES.get(at).and_then(|letter| words.word(*letter)));
+        let mut here = level;
+        let mut wrote = false;
+        for pass in 0..count {
+            if (pass == 0 || relative) && in_plane.iter().any(Option::is_some) {
+                end_before(host, &mut wrote);
+                push_code(host, b'G', 0.0, span);
+                in_plane.iter().flatten().try_for_each(|word| push_word(host, word))?;
+            }
+            let mut go = |host: &mut dyn InterpreterHost, code: f64, to: f64| {
+                let from = std::mem::replace(&mut here, to);
+                if to == from {
+                    return Outcome::Ok(());
+                }
+                end_before(host, &mut wrote);
+                push_code(host, b'G', code, span);
+                push_axis(host, along, if relative { to - from } else { to }, span)?;
+                if code == 0.0 {
+                    return Ok(());
+                }
+                push_feed(host, words)?;
+                host.end_block();
+                push_code(host, b'G', 4.0, span);
+                push_value(host, b'P', GRBLHAL_DWELL, span)
+            };
+            go(host, 0.0, self.clear)?;
+            let mut reached = self.clear;
+            while reached > self.depth {
+                host.work(1)?;
+                reached = (reached - self.step).max(self.depth);
+                let ends = reached == self.depth || !self.breaks;
+                go(host, 1.0, reached)?;
+                go(host, 0.0, if ends { self.back } else { reached + short })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Ends the block before the next one.
+fn end_before(host: &mut dyn InterpreterHost, wrote: &mut bool) {
+    if std::mem::replace(wrote, true) {
+        host.end_block();
+    }
+}
+
+/// Refuses taps and boring while the spindle does not turn, or turns the other way.
+fn check_spindle(host: &dyn InterpreterHost, code: u16) -> Outcome<()> {
+    let [clockwise, counter] = [ids::SPINDLE_CLW, ids::SPINDLE_CCLW].map(|id| host.is_active(id));
+    let (turns, start) = match code {
+        840 => (clockwise, "M3"),
+        740 => (counter, "M4"),
+        860 => (clockwise || counter, "M3 or M4"),
+        _ => return Ok(()),
+    };
+    if turns {
+        return Ok(());
+    }
+    Err(refused(20, format!("{} needs a turning spindle: write {start} before", spelled(code))).into())
+}
+
 impl Rs274 {
     /// Leaves the blocks of a cycle.
     pub(super) fn cycle(&mut self, host: &mut dyn InterpreterHost, words: &BlockWords, code: u16) -> Outcome<()> {
@@ -67,7 +151,9 @@ impl Rs274 {
             *sticky =
                 StickyWords { code, initial: sticky.initial, r: sticky.r, spline: None, ..StickyWords::default() };
         }
-        let initial = *sticky.initial.get_or_insert(here);
+        // grblHAL returns to the level of each block.
+        let before = *sticky.initial.get_or_insert(here);
+        let initial = if self.kind == Rs274Kind::GrblHal { here } else { before };
         let letter = AXES.get(along).copied().unwrap_or(b'z');
         for (slot, letter) in [
             (&mut sticky.z, letter),
@@ -97,6 +183,9 @@ impl Rs274 {
         if dwells && sticky.p.unwrap_or(0.0) < 0.0 || matches!(code, 820 | 860 | 890) && sticky.p.is_none() {
             return Err(refused(28, format!("{name} needs P, the seconds of its dwell, 0 or more")).into());
         }
+        if self.kind == Rs274Kind::LinuxCnc {
+            check_spindle(host, code)?;
+        }
         let count = words.get(b'l').unwrap_or(1.0);
         if count.fract() != 0.0 || !(1.0..=9999.0).contains(&count) {
             return Err(refused(20, format!("L of {name} must be a whole number of at least 1")).into());
@@ -107,6 +196,10 @@ impl Rs274 {
             host.end_block();
         }
         let back = if host.is_active(ids::CYCLE_RETRACT_R) { clear } else { initial.max(clear) };
+        if pecks && self.kind == Rs274Kind::GrblHal {
+            let hole = PeckedHole { plane, clear, depth, back, step: sticky.q.unwrap_or(0.0), breaks: code == 730 };
+            return hole.leave_blocks(host, words, count as u32, here.max(clear));
+        }
         // These cycles feed out of the hole up to the return level.
         let feeds_out = matches!(code, 740 | 840 | 890) && back > clear;
         for pass in 0..count as u32 {

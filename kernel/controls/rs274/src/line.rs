@@ -113,7 +113,8 @@ pub(super) fn read(text: &[u8], language: bool) -> Result<Rs274Line, Rs274Mistak
     let text = BlockText::read(text)?;
     let mut cursor = Rs274Cursor::new(&text);
     let mut line = Rs274Line { comment: text.comment, ..Rs274Line::default() };
-    line.skip = head(&mut cursor, &mut line.number)?;
+    // GRBL takes N anywhere in the block, and checks it like the other words.
+    line.skip = if language { head(&mut cursor, &mut line.number)? } else { cursor.takes("/") };
     if cursor.here() == Some(b'o') && language {
         line.flow = Some(o_code(&mut cursor)?);
         return if cursor.here().is_none() { Ok(line) } else { Err(cursor.expected("nothing after an O code")) };
@@ -134,6 +135,9 @@ pub(super) fn read(text: &[u8], language: bool) -> Result<Rs274Line, Rs274Mistak
                 let spelled = text.bytes.get(first..cursor.at).and_then(|text| std::str::from_utf8(text).ok());
                 let spelled = spelled.filter(|text| text.parse::<f64>().is_ok()).map(Box::from);
                 let span = text.span(start, cursor.at);
+                if letter == b'n' && !language {
+                    line.number = spelled.as_deref().and_then(sequence_number);
+                }
                 line.items.push(Rs274Item::Word(Rs274Word { letter, value, spelled, span }));
             }
             _ => return Err(cursor.expected("a letter")),
@@ -148,11 +152,20 @@ pub(super) fn head(cursor: &mut Rs274Cursor<'_>, number: &mut Option<u32>) -> Re
     if cursor.here() == Some(b'n') {
         cursor.at += 1;
         match cursor.number() {
-            Some(value) => *number = (value <= 99_999_999.0).then_some(value as u32),
+            Some(value) => *number = sequence(value),
             None => return Err(cursor.expected("the number of the block")),
         }
     }
     Ok(skip)
+}
+
+/// The whole part of a sequence number.
+fn sequence(value: f64) -> Option<u32> {
+    (0.0..=99_999_999.0).contains(&value).then_some(value as u32)
+}
+
+fn sequence_number(spelled: &str) -> Option<u32> {
+    spelled.parse().ok().and_then(sequence)
 }
 
 fn value(cursor: &mut Rs274Cursor<'_>) -> Result<Rs274Expr, Rs274Mistake> {

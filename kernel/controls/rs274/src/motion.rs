@@ -47,7 +47,10 @@ impl Rs274 {
         let (block, polar) = (words, without_polar(host, words, 0)?);
         let words = polar.as_ref().unwrap_or(words);
         let span = words.whole;
+        let turns =
+            host.is_active(ids::SPINDLE_CLW) || host.is_active(ids::SPINDLE_CCLW) || words.has_m(3) || words.has_m(4);
         match motion {
+            330 if !turns => return Err(refused(20, "G33 needs a turning spindle: write M3 or M4 before").into()),
             NO_MOTION => push_code(host, b'G', 80.0, span),
             50 | 51 => self.spline(host, words, (motion, before))?,
             52 => {

@@ -110,7 +110,8 @@ impl Rs274 {
             return Ok(Remaining::Nothing);
         }
         let inverse_time = host.is_active(ids::FEED_1T);
-        words.check(BlockModes { kind: self.kind, motion: self.modes.motion, inverse_time })?;
+        let has_feed = host.feed() > 0.0;
+        words.check(BlockModes { kind: self.kind, motion: self.modes.motion, inverse_time, has_feed })?;
         self.own_functions(host, &words)?;
         let has = |code: &[u16]| words.g.iter().any(|(known, _)| code.contains(known));
         let statement = has(&[100, 281, 301, 520, 920, 921, 922, 923]);
@@ -196,6 +197,11 @@ impl Rs274 {
             wrote |= self.push_g(host, words, *code, *span)?;
         }
         for (code, span) in &words.m {
+            if *code == 6
+                && let Some(row) = host.literal("SPINDLE OFF AT M6")
+            {
+                host.push_literal(row, *span);
+            }
             if matches!(code, 3..=9 | 19 | 48 | 49) || matches!(code, 100..=199) {
                 push_code(host, b'M', f64::from(*code), *span);
                 wrote = true;
@@ -372,6 +378,13 @@ impl Rs274 {
                 let text = "M66 waits for the input (L), but has no limit: write Q, the seconds, above 0";
                 return Err(Rs274Mistake::new(&diag::REFUSED, 28, text).into());
             }
+        }
+        if host.keeps_moves_back() {
+            let text = "M66 is not possible under cutter compensation: write G40 before";
+            return Err(Rs274Mistake::new(&diag::REFUSED, 20, text).into());
+        }
+        if [b'p', b'e'].iter().any(|letter| words.get(*letter).is_some_and(|input| input.round() < 0.0)) {
+            return Err(Rs274Mistake::new(&diag::REFUSED, 4, "the number of an input of M66 is negative").into());
         }
         let input = match (words.get(b'p'), words.get(b'e')) {
             (Some(input), None) => format!("M66 P{input}"),
