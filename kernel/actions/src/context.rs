@@ -14,12 +14,13 @@ use counterpoint_channel::figure::CopiedFigure;
 use counterpoint_channel::offset_tables::OffsetTable;
 use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_channel::tool_data::report_tool;
+use counterpoint_channel::trace::{trace_instead, trace_line};
 use counterpoint_channel::turning::ContourCycle;
 use counterpoint_channel::word_values::{axis_diameter_factor, block_has, read_words_again};
 use counterpoint_control_api::{NotThere, is_vacant};
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::custom_macro::code_calls::take_name;
-use counterpoint_emulator::trace::trace_instead;
+use counterpoint_emulator::pipeline::codes::without_action;
 use counterpoint_event::event::{Motion, Position, ToolAction};
 use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
 use counterpoint_machine::ident::{CodeId, DataId};
@@ -173,12 +174,12 @@ impl ActionContext<'_, '_> {
 
     /// A code that nothing handles.
     pub(crate) fn without_action(&mut self, id: CodeId) {
-        self.kernel.without_action(id);
+        without_action(self.kernel, id);
     }
 
     /// Adds a line to the trace if it shows this letter.
     pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&ChannelContext<'_>) -> String) {
-        self.kernel.trace(letter, |kernel| line(&kernel.channel));
+        trace_line(&mut self.kernel.channel, letter, line);
     }
 
     /// Adds an action to the trace that takes the place of that of the next event.

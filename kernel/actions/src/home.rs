@@ -14,8 +14,8 @@ use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::channel_axis::ChannelAxis;
 use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_emulator::trace;
-use counterpoint_emulator::trace::ACTION;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::ACTION;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

@@ -66,6 +66,7 @@ pub mod thread_passes;
 pub mod times;
 pub mod tool_data;
 pub mod tool_names;
+pub mod trace;
 pub mod travel_limits;
 pub mod turning;
 pub mod units;

@@ -6,4 +6,3 @@
 
 pub mod channel;
 pub mod pipeline;
-pub mod trace;

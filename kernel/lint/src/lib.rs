@@ -17,21 +17,19 @@ use std::sync::Arc;
 use counterpoint_channel::at::BlockPlace;
 use counterpoint_channel::block_places::is_reshaped;
 use counterpoint_channel::callee::Pending;
-use counterpoint_control_api::outline::OutlineReader;
-use counterpoint_control_api::outline::OutlineStep;
+use counterpoint_control_api::outline::{OutlineReader, OutlineStep};
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::pipeline::read::before_rewind_stop;
-use counterpoint_emulator::pipeline::read::is_rewind_stop;
+use counterpoint_emulator::pipeline::edit::reshape;
+use counterpoint_emulator::pipeline::read::{before_rewind_stop, begin_block, is_rewind_stop, text_ends, too_long};
+use counterpoint_emulator::pipeline::split::split;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
-use counterpoint_fault::Halt;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_program::scan::ScanResult;
 use counterpoint_program::spot::BlockStart;
-use rustc_hash::FxHashMap;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Begins an expression or statement of the macro language within a block.
 const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];
@@ -104,7 +102,7 @@ impl Linter<'_, '_> {
         if text.is_empty() {
             return Ok(());
         }
-        self.kernel.begin_block()?;
+        begin_block(self.kernel)?;
         self.kernel.channel.at.idle_blocks = 0;
         if self.read > MOST {
             return Err(self.lost(&format!("it has more than {MOST} blocks")));
@@ -123,7 +121,7 @@ impl Linter<'_, '_> {
         let Some(frame) = kernel.flow.frame() else { return Err(Halt::ProgramEnd(None)) };
         let (file, line, caller) = (frame.file, frame.next, frame.caller);
         if line > frame.range.last {
-            return kernel.text_ends().map(|()| None);
+            return text_ends(kernel).map(|()| None);
         }
         frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
@@ -134,10 +132,10 @@ impl Linter<'_, '_> {
             return Ok(Some(Arc::default()));
         }
         if text.len() > kernel.channel.env.options.limits.block_length {
-            return Err(kernel.too_long(text.len()));
+            return Err(too_long(kernel, text.len()));
         }
         let text: Arc<[u8]> = if is_reshaped(&mut kernel.channel, &kernel.flow, source) {
-            kernel.reshape(text, line)?.text().into()
+            reshape(kernel, text, line)?.text().into()
         } else {
             text.into()
         };
@@ -154,7 +152,7 @@ impl Linter<'_, '_> {
                 "text of the macro language stands in the block".to_owned(),
             )]);
         }
-        match self.kernel.split(text, true) {
+        match split(self.kernel, text, true) {
             ScanResult::Words => Outline::Words,
             ScanResult::Statement => {
                 self.kernel.channel.block.clear();

@@ -12,6 +12,7 @@ use counterpoint_program::block::RetrievedValue;
 use counterpoint_program::data_plan::RECALLED;
 
 use super::Kernel;
+use counterpoint_channel::trace::trace_data;
 
 /// Reasons why nothing may take a value of the block.
 const NOT_PROCESSED: &str = "its row is not processed";
@@ -45,7 +46,7 @@ impl Kernel<'_> {
         if modal {
             self.channel.state.remembered.remember(handed.id, value);
         }
-        self.trace_data(handed.id, value);
+        trace_data(&mut self.channel, handed.id, value);
         Some(RetrievedValue { value, incremental: false, absolute: false, raw: handed.raw })
     }
 
@@ -87,7 +88,7 @@ impl Kernel<'_> {
             if source.modal && !incremental {
                 self.channel.state.remembered.remember(id, value);
             }
-            self.trace_data(id, value);
+            trace_data(&mut self.channel, id, value);
             return Some(RetrievedValue { value, incremental, absolute: false, raw });
         }
         if self.refuse(id) { None } else { recall(&self.channel, id) }

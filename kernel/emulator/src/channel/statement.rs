@@ -16,6 +16,7 @@ use counterpoint_program::spot::BlockStart;
 use super::Kernel;
 use crate::channel::dialect_state::DialectState;
 use crate::channel::macro_queries::call_record;
+use counterpoint_channel::trace::trace_left;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.
@@ -207,7 +208,7 @@ fn remaining_block(kernel: &mut Kernel<'_>, whole: &[u8]) -> Acted {
     let left = &kernel.dialect.left.text;
     if kernel.channel.env.trace.is_some() && !left.is_empty() && left.trim().as_bytes() != whole.trim_ascii() {
         let left = left.clone();
-        kernel.trace_left(&left);
+        trace_left(&mut kernel.channel, &left);
     }
     kernel.made_words()
 }

@@ -21,6 +21,9 @@ use crate::channel::Kernel;
 use crate::channel::custom_macro::modal::macro_call_of;
 use crate::channel::hook_points::BlockOrigin;
 use crate::pipeline::implied::imply_motion;
+use crate::pipeline::owned_words::{refuse_axis_words, take_axis_words};
+use crate::pipeline::speed_words::speed_before_codes;
+use counterpoint_channel::trace::{trace_code, trace_ignored};
 
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, lets the codes act, and treats the remaining words.
@@ -39,18 +42,18 @@ impl Kernel<'_> {
         {
             length_words(&mut self.channel);
         }
-        self.imply();
+        imply(self);
         if let Some(hooks) = hooks {
             (hooks.codes.implied)(self);
         }
         self.check_refused()?;
         if self.channel.block.has_any(self.channel.tables.registers.before_codes) {
-            self.words_before_codes()?;
+            words_before_codes(self)?;
         }
         sort_codes(&mut self.channel);
         while let Some(&pending) = self.channel.block.pending.get(self.channel.block.next) {
             self.channel.block.next += 1;
-            self.fire(pending)?;
+            fire(self, pending)?;
             if let Some(hooks) = hooks {
                 (hooks.codes.acted)(self)?;
             }
@@ -63,23 +66,6 @@ impl Kernel<'_> {
             (hooks.codes.dropped)(self)?;
         }
         Ok(())
-    }
-
-    /// Words that act before the codes of their block.
-    #[inline(never)]
-    fn words_before_codes(&mut self) -> Acted {
-        if self.channel.block.has_any(self.channel.tables.registers.offsets) {
-            self.offset_words()?;
-        }
-        if self.channel.block.has_any(self.channel.tables.registers.speed) { self.speed_before_codes() } else { Ok(()) }
-    }
-
-    /// Numbers of offsets that no code of the block takes select their offsets.
-    fn offset_words(&mut self) -> Acted {
-        let takers = &self.channel.tables.rules.number_takers;
-        let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
-        let free = self.channel.tables.registers.offsets & !taken;
-        if self.channel.block.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
@@ -129,111 +115,12 @@ impl Kernel<'_> {
             }
         }
         if self.channel.block.pending.len() > 1 && self.channel.tables.rules.exclusive.is_some() {
-            self.last_of_groups();
+            last_of_groups(self);
         }
         if self.channel.block.pending.len() > 1 && machine.cycles.last_of_block {
             self.cycle_or_motion();
         }
         call
-    }
-
-    /// Of several G codes of one group the last one acts.
-    #[inline(never)]
-    fn last_of_groups(&mut self) {
-        for position in 0..self.channel.block.words.len() {
-            let Some((word, at, group)) = code_of_word(&self.channel, position) else { continue };
-            let later = |at: usize| code_of_word(&self.channel, at).filter(|&(_, _, other)| other == group);
-            let Some((last, ..)) = (position + 1..self.channel.block.words.len()).find_map(later) else { continue };
-            self.channel.block.pending.remove(at);
-            if last.value != word.value {
-                let text = format!(
-                    "{} has no effect: {} of the same group comes later in '{}'",
-                    word_text(self.channel.env.machine, word),
-                    word_text(self.channel.env.machine, last),
-                    self.channel.block_text()
-                );
-                self.diagnose(&diag::GROUP_TWICE, text);
-            }
-        }
-    }
-
-    /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
-    /// a group that a non-modal code overrode on an earlier block.
-    #[inline(always)]
-    pub(crate) fn imply(&mut self) {
-        if self.channel.block.flags.special {
-            self.drop_ignored();
-        }
-        if self.channel.block.has_any(self.channel.tables.registers.motion)
-            && !group_queued(&self.channel, group::MOTION)
-        {
-            imply_motion(self.plan, &mut self.channel, &self.macros);
-        }
-        if self.channel.state.modal.refires.is_empty() {
-            return;
-        }
-        for index in (0..self.channel.state.modal.refires.len()).rev() {
-            let Some(&(group, forever)) = self.channel.state.modal.refires.get(index) else { continue };
-            if group_queued(&self.channel, group) {
-                continue;
-            }
-            queue_modal(&mut self.channel, group);
-            if !forever {
-                self.channel.state.modal.refires.remove(index);
-            }
-        }
-    }
-
-    /// Words of axes that ignored codes of the block ignore move nothing.
-    #[cold]
-    fn drop_ignored(&mut self) {
-        for at in 0..self.channel.block.pending.len() {
-            let row = self.channel.block.pending.get(at).map(|pending| &self.channel.env.machine.codes[pending.row]);
-            let row = row.filter(|row| !row.process);
-            for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
-                self.channel.block.take(register);
-            }
-            if row.is_some_and(|row| row.owns_axes) {
-                self.take_axis_words(|_, _| {});
-            }
-        }
-    }
-
-    /// Lets one code act.
-    pub(crate) fn fire(&mut self, pending: PendingCode) -> Acted {
-        self.channel.check_stop()?;
-        let machine = self.channel.env.machine;
-        let row = &machine.codes[pending.row];
-        if pending.only_if_data_left && !still_fires(&self.channel, &self.macros, row.group) {
-            return Ok(());
-        }
-        if !row.process {
-            self.swallow(row, pending);
-            return Ok(());
-        }
-        enter_code(&mut self.channel, row, pending);
-        let result = match self.plan.hooks {
-            Some(hooks) => (hooks.codes.act)(self, pending, row.id),
-            None => self.perform(row, pending),
-        };
-        self.channel.acting.as_data = None;
-        if row.owns_axes && result.is_ok() {
-            self.refuse_axis_words(row, pending);
-        }
-        result
-    }
-
-    /// Treats a code that the machine recognises and ignores.
-    #[cold]
-    fn swallow(&mut self, row: &CodeRow, pending: PendingCode) {
-        self.trace_ignored(row.id);
-        if row.seconds > 0.0 {
-            take_time(&mut self.channel, row, pending);
-        } else if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
-            && Some(register) == self.channel.tables.registers.function
-        {
-            self.channel.reports.swallowed.note(pending.value);
-        }
     }
 
     /// Reports at the end of the program the M functions that had no effect.
@@ -247,45 +134,165 @@ impl Kernel<'_> {
             format!("this machine gives these functions neither an effect nor a time: {swallowed}"),
         );
     }
+}
 
-    /// The built-in action of a code.
-    #[inline(always)]
-    pub fn perform(&mut self, row: &CodeRow, pending: PendingCode) -> Acted {
-        let result = match self.plan.action_of_row[pending.row] {
-            Some(action) => {
-                if self.channel.env.trace.is_some() {
-                    self.trace_code(row.id);
-                }
-                action.run(self, row, &pending)
-            }
-            None => {
-                self.trace_ignored(row.id);
-                self.without_action(row.id);
-                Ok(())
-            }
-        };
-        if row.seconds > 0.0 && result.is_ok() {
-            take_time(&mut self.channel, row, pending);
-        }
-        result
+/// Words that act before the codes of their block.
+#[inline(never)]
+fn words_before_codes(kernel: &mut Kernel<'_>) -> Acted {
+    if kernel.channel.block.has_any(kernel.channel.tables.registers.offsets) {
+        offset_words(kernel)?;
     }
+    if kernel.channel.block.has_any(kernel.channel.tables.registers.speed) {
+        speed_before_codes(kernel)
+    } else {
+        Ok(())
+    }
+}
 
-    /// A code that nothing handles (reference control-emulator.md 2.3).
-    pub fn without_action(&mut self, id: CodeId) {
-        let name = self.channel.env.machine.code_name(id).to_owned();
-        if name == "CODE_IGNORE" {
-            return;
-        }
-        let documented_without = ident::code_facts(id).is_some_and(|facts| !facts.built_in);
-        let text = self.channel.block_text();
-        if documented_without {
-            self.diagnose(
-                &diag::CODE_WITHOUT_PROCESSING,
-                format!("{} has no built-in processing and is ignored in '{text}'", name.to_lowercase()),
+/// Numbers of offsets that no code of the block takes select their offsets.
+fn offset_words(kernel: &mut Kernel<'_>) -> Acted {
+    let takers = &kernel.channel.tables.rules.number_takers;
+    let taken = kernel.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
+    let free = kernel.channel.tables.registers.offsets & !taken;
+    if kernel.channel.block.has_any(free) { (kernel.plan.actions.offset_words)(kernel, free) } else { Ok(()) }
+}
+
+/// Of several G codes of one group the last one acts.
+#[inline(never)]
+fn last_of_groups(kernel: &mut Kernel<'_>) {
+    for position in 0..kernel.channel.block.words.len() {
+        let Some((word, at, group)) = code_of_word(&kernel.channel, position) else { continue };
+        let later = |at: usize| code_of_word(&kernel.channel, at).filter(|&(_, _, other)| other == group);
+        let Some((last, ..)) = (position + 1..kernel.channel.block.words.len()).find_map(later) else { continue };
+        kernel.channel.block.pending.remove(at);
+        if last.value != word.value {
+            let text = format!(
+                "{} has no effect: {} of the same group comes later in '{}'",
+                word_text(kernel.channel.env.machine, word),
+                word_text(kernel.channel.env.machine, last),
+                kernel.channel.block_text()
             );
-        } else {
-            self.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));
+            kernel.diagnose(&diag::GROUP_TWICE, text);
         }
+    }
+}
+
+/// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
+/// a group that a non-modal code overrode on an earlier block.
+#[inline(always)]
+pub(crate) fn imply(kernel: &mut Kernel<'_>) {
+    if kernel.channel.block.flags.special {
+        drop_ignored(kernel);
+    }
+    if kernel.channel.block.has_any(kernel.channel.tables.registers.motion)
+        && !group_queued(&kernel.channel, group::MOTION)
+    {
+        imply_motion(kernel.plan, &mut kernel.channel, &kernel.macros);
+    }
+    if kernel.channel.state.modal.refires.is_empty() {
+        return;
+    }
+    for index in (0..kernel.channel.state.modal.refires.len()).rev() {
+        let Some(&(group, forever)) = kernel.channel.state.modal.refires.get(index) else { continue };
+        if group_queued(&kernel.channel, group) {
+            continue;
+        }
+        queue_modal(&mut kernel.channel, group);
+        if !forever {
+            kernel.channel.state.modal.refires.remove(index);
+        }
+    }
+}
+
+/// Words of axes that ignored codes of the block ignore move nothing.
+#[cold]
+fn drop_ignored(kernel: &mut Kernel<'_>) {
+    for at in 0..kernel.channel.block.pending.len() {
+        let row = kernel.channel.block.pending.get(at).map(|pending| &kernel.channel.env.machine.codes[pending.row]);
+        let row = row.filter(|row| !row.process);
+        for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
+            kernel.channel.block.take(register);
+        }
+        if row.is_some_and(|row| row.owns_axes) {
+            take_axis_words(kernel, |_, _| {});
+        }
+    }
+}
+
+/// Lets one code act.
+pub(crate) fn fire(kernel: &mut Kernel<'_>, pending: PendingCode) -> Acted {
+    kernel.channel.check_stop()?;
+    let machine = kernel.channel.env.machine;
+    let row = &machine.codes[pending.row];
+    if pending.only_if_data_left && !still_fires(&kernel.channel, &kernel.macros, row.group) {
+        return Ok(());
+    }
+    if !row.process {
+        swallow(kernel, row, pending);
+        return Ok(());
+    }
+    enter_code(&mut kernel.channel, row, pending);
+    let result = match kernel.plan.hooks {
+        Some(hooks) => (hooks.codes.act)(kernel, pending, row.id),
+        None => perform(kernel, row, pending),
+    };
+    kernel.channel.acting.as_data = None;
+    if row.owns_axes && result.is_ok() {
+        refuse_axis_words(kernel, row, pending);
+    }
+    result
+}
+
+/// Treats a code that the machine recognises and ignores.
+#[cold]
+fn swallow(kernel: &mut Kernel<'_>, row: &CodeRow, pending: PendingCode) {
+    trace_ignored(&mut kernel.channel, row.id);
+    if row.seconds > 0.0 {
+        take_time(&mut kernel.channel, row, pending);
+    } else if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+        && Some(register) == kernel.channel.tables.registers.function
+    {
+        kernel.channel.reports.swallowed.note(pending.value);
+    }
+}
+
+/// The built-in action of a code.
+#[inline(always)]
+pub fn perform(kernel: &mut Kernel<'_>, row: &CodeRow, pending: PendingCode) -> Acted {
+    let result = match kernel.plan.action_of_row[pending.row] {
+        Some(action) => {
+            if kernel.channel.env.trace.is_some() {
+                trace_code(&mut kernel.channel, row.id);
+            }
+            action.run(kernel, row, &pending)
+        }
+        None => {
+            trace_ignored(&mut kernel.channel, row.id);
+            without_action(kernel, row.id);
+            Ok(())
+        }
+    };
+    if row.seconds > 0.0 && result.is_ok() {
+        take_time(&mut kernel.channel, row, pending);
+    }
+    result
+}
+
+/// A code that nothing handles (reference control-emulator.md 2.3).
+pub fn without_action(kernel: &mut Kernel<'_>, id: CodeId) {
+    let name = kernel.channel.env.machine.code_name(id).to_owned();
+    if name == "CODE_IGNORE" {
+        return;
+    }
+    let documented_without = ident::code_facts(id).is_some_and(|facts| !facts.built_in);
+    let text = kernel.channel.block_text();
+    if documented_without {
+        kernel.diagnose(
+            &diag::CODE_WITHOUT_PROCESSING,
+            format!("{} has no built-in processing and is ignored in '{text}'", name.to_lowercase()),
+        );
+    } else {
+        kernel.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));
     }
 }
 

@@ -26,222 +26,223 @@ use counterpoint_program::shape::ProgramRange;
 use counterpoint_program::spot::BlockStart;
 
 use crate::channel::Kernel;
+use crate::pipeline::edit::reshape;
+use crate::pipeline::long_comments::pass_long_comment;
+use crate::pipeline::process_block;
 
 /// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;
 
-impl Kernel<'_> {
-    /// Executes a cycle along contour blocks.
-    pub(crate) fn contour_cycle(&mut self, cycle: &ContourCycle) -> Acted {
-        let (named, first, last) = match &cycle.blocks {
-            ContourBlocks::Program(number) => return self.cycle_along_program(cycle, *number),
-            ContourBlocks::Numbers(first, last) => (None, *first, *last),
-            ContourBlocks::Named { name, first, last, .. } => (Some(name), *first, *last),
+/// Executes a cycle along contour blocks.
+pub(crate) fn contour_cycle(kernel: &mut Kernel<'_>, cycle: &ContourCycle) -> Acted {
+    let (named, first, last) = match &cycle.blocks {
+        ContourBlocks::Program(number) => return cycle_along_program(kernel, cycle, *number),
+        ContourBlocks::Numbers(first, last) => (None, *first, *last),
+        ContourBlocks::Named { name, first, last, .. } => (Some(name), *first, *last),
+    };
+    let numbers = (first, last);
+    let found = match named {
+        Some(_) => Some((BlockStart::line(first), BlockStart::line(last))),
+        None => contour_blocks(&kernel.channel, &mut kernel.flow, (first, last)),
+    };
+    let Some((first_block, last_block)) = found else {
+        let text = format!("blocks N{first} to N{last} are not in the program of '{}'", kernel.channel.block_text());
+        return Err(kernel.alarm(&diag::CONTOUR_BLOCKS, text));
+    };
+    let (first, last) = (first_block, last_block);
+    if let ContourTask::Finish { stays, off } = cycle.task {
+        let what = match named {
+            Some(name) => Callee::Named(Arc::clone(name)),
+            None => Callee::Blocks(numbers.0, numbers.1),
         };
-        let numbers = (first, last);
-        let found = match named {
-            Some(_) => Some((BlockStart::line(first), BlockStart::line(last))),
-            None => contour_blocks(&self.channel, &mut self.flow, (first, last)),
-        };
-        let Some((first_block, last_block)) = found else {
-            let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.channel.block_text());
-            return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
-        };
-        let (first, last) = (first_block, last_block);
-        if let ContourTask::Finish { stays, off } = cycle.task {
-            let what = match named {
-                Some(name) => Callee::Named(Arc::clone(name)),
-                None => Callee::Blocks(numbers.0, numbers.1),
-            };
-            return self.run_contour(first, last, what, (!stays).then_some(off));
+        return run_contour(kernel, first, last, what, (!stays).then_some(off));
+    }
+    let mut reading = read_contour(kernel, first, last)?;
+    if let ContourBlocks::Named { blank: Some((first, last)), .. } = cycle.blocks {
+        reading.blank = read_blank(kernel, first, last)?;
+    }
+    (kernel.plan.actions.cut_contour)(kernel, cycle, reading)?;
+    if named.is_none() && comes_next(&kernel.channel, &mut kernel.flow, first) {
+        let after = block_after(&kernel.channel, &kernel.flow, last);
+        if let Some(frame) = kernel.flow.frame() {
+            (frame.next, frame.offset) = (after.line, after.offset);
         }
-        let mut reading = self.read_contour(first, last)?;
-        if let ContourBlocks::Named { blank: Some((first, last)), .. } = cycle.blocks {
-            reading.blank = self.read_blank(first, last)?;
+    }
+    Ok(())
+}
+
+/// Executes a cycle along the moves of a subprogram: of the blocks from a sequence number on, or of a program.
+fn cycle_along_program(kernel: &mut Kernel<'_>, cycle: &ContourCycle, number: u32) -> Acted {
+    let file = kernel.channel.at.file;
+    let blocks = find_range(&kernel.channel, &mut kernel.flow, &Callee::From(number)).map(|range| (file, range));
+    let place = match blocks {
+        Some(blocks) => Some(blocks),
+        None => kernel.find_program(&Callee::Program(number))?,
+    };
+    let name = if blocks.is_some() { format!("N{number}") } else { format!("O{number:04}") };
+    read_subprogram(kernel, SubprogramCall { name: name.into(), place, passes: 1, closes: false })?;
+    let reading = std::mem::take(&mut kernel.channel.state.others.turning.kept);
+    (kernel.plan.actions.cut_contour)(kernel, cycle, reading)
+}
+
+/// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
+fn run_contour(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart, what: Callee, back: Option<u8>) -> Acted {
+    kernel.check_nesting(|| what.to_string())?;
+    let here = kernel.channel.at.file;
+    let file = kernel.flow.frame().map_or(here, |frame| frame.file);
+    let back = back.map(|off| Box::new((kernel.channel.state.place.programmed(), off)));
+    let range = ProgramRange { number: None, first: first.line, last: last.line };
+    let name = match &what {
+        Callee::Named(name) => Arc::clone(name),
+        Callee::Blocks(from, to) => format!("N{from}-N{to}").into(),
+        _ => Arc::default(),
+    };
+    let called = CallRecord { what, passes: 1, block: None };
+    let text = RunningProgram::main(file, range, name);
+    kernel.enter(RunningProgram { offset: first.offset, closes: true, called, back, ..text });
+    Ok(())
+}
+
+/// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
+pub(crate) fn end_contour(kernel: &mut Kernel<'_>, (back, off): &(Position, u8)) -> Acted {
+    if let Some(place) = kernel.flow.frame().map(|frame| {
+        let line = if frame.offset == 0 { frame.next.saturating_sub(1) } else { frame.next };
+        BlockPlace { file: frame.file, line, caller: frame.caller }
+    }) {
+        kernel.channel.at.go_to(place);
+        kernel.channel.text.edited = None;
+    }
+    if *off != 0 {
+        let mut first = kernel.channel.state.place.programmed();
+        for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
+            *slot = if off & 1 << index == 0 { *slot } else { back };
         }
-        (self.plan.actions.cut_contour)(self, cycle, reading)?;
-        if named.is_none() && comes_next(&self.channel, &mut self.flow, first) {
-            let after = block_after(&self.channel, &self.flow, last);
-            if let Some(frame) = self.flow.frame() {
-                (frame.next, frame.offset) = (after.line, after.offset);
-            }
+        (kernel.plan.actions.straight.back)(kernel, &first)?;
+    }
+    (kernel.plan.actions.straight.back)(kernel, back)
+}
+
+/// Reads the contour.
+fn read_contour(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart) -> Result<RecordedContour, Halt> {
+    let next = kernel.flow.frame().map(|frame| (frame.next, frame.offset));
+    read_as_contour(kernel, None, |kernel| {
+        let done = read_blocks(kernel, first, last);
+        if let (Some(frame), Some(next)) = (kernel.flow.frame(), next) {
+            (frame.next, frame.offset) = next;
+        }
+        done
+    })
+}
+
+/// Reads the shape of a blank, which has no rapid move.
+fn read_blank(kernel: &mut Kernel<'_>, first: u32, last: u32) -> Result<Vec<Element>, Halt> {
+    let blank = read_contour(kernel, BlockStart::line(first), BlockStart::line(last))?;
+    if blank.first.is_some_and(|first| !first.rapid) && !blank.elements.is_empty() {
+        return Ok(blank.elements);
+    }
+    let text = format!(
+        "the shape of the blank of '{}' has a straight move at a feed first, and pieces",
+        kernel.channel.block_text()
+    );
+    Err(kernel.alarm(&diag::CONTOUR_FIRST, text))
+}
+
+/// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
+pub(crate) fn read_subprogram(kernel: &mut Kernel<'_>, call: SubprogramCall) -> Acted {
+    let plane = kernel.channel.active_plane();
+    let place = kernel.channel.at.block_place();
+    kernel.channel.state.others.turning.reads = true;
+    let read = read_as_contour(kernel, plane, |kernel| {
+        let level = kernel.flow.frames.len();
+        kernel.call_text(call)?;
+        while kernel.flow.frames.len() > level {
+            kernel.step()?;
         }
         Ok(())
-    }
+    });
+    kernel.channel.state.others.turning.reads = false;
+    kernel.channel.at.go_to(place);
+    kernel.channel.state.others.turning.kept = read?;
+    Ok(())
+}
 
-    /// Executes a cycle along the moves of a subprogram: of the blocks from a sequence number on, or of a program.
-    fn cycle_along_program(&mut self, cycle: &ContourCycle, number: u32) -> Acted {
-        let file = self.channel.at.file;
-        let blocks = find_range(&self.channel, &mut self.flow, &Callee::From(number)).map(|range| (file, range));
-        let place = match blocks {
-            Some(blocks) => Some(blocks),
-            None => self.find_program(&Callee::Program(number))?,
+/// Lets blocks be read: their moves are recorded in a plane, and none of their changes remain.
+fn read_as_contour(
+    kernel: &mut Kernel<'_>,
+    plane: Option<LathePlane>,
+    blocks: impl FnOnce(&mut Kernel<'_>) -> Acted,
+) -> Result<RecordedContour, Halt> {
+    let Some(plan) = kernel.plan.reading.as_deref() else { return Ok(RecordedContour::default()) };
+    let outer_plan = std::mem::replace(&mut kernel.plan, plan);
+    let start = kernel.channel.state.place.programmed();
+    let place = &mut kernel.channel.state.place;
+    let place = (std::mem::replace(&mut place.position, start), place.frames.take());
+    let (modal, remembered) = (kernel.channel.state.modal.clone(), kernel.channel.state.remembered.clone());
+    let (cycle, arcs) = (kernel.channel.state.cycle, std::mem::take(&mut kernel.channel.state.arcs));
+    let secondary = kernel.channel.state.secondary;
+    let text = (kernel.channel.at.line, kernel.channel.text.edited.take(), kernel.flow.offset);
+    let block = kernel.channel.context.enter();
+
+    kernel.channel.state.threads.recorded = None;
+    let own = RecordedContour { start: kernel.channel.flat(&start), plane, ..RecordedContour::default() };
+    kernel.channel.state.others.turning.reading = own;
+    // A feed per minute needs no spindle; moves are only recorded.
+    kernel.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
+    kernel.channel.state.remembered.remember(data::FEED_UPM, READING_FEED);
+    // Feeds per revolution of the contour are read as feeds per minute.
+    let long_move = std::mem::replace(&mut kernel.channel.reports.plausible.long_move, true);
+    let done = blocks(kernel).and_then(|()| kernel.flush_lookahead());
+    kernel.channel.reports.plausible.long_move = long_move;
+    let done = done.map_err(|halt| kernel.end_compensation(halt));
+
+    kernel.channel.context = block;
+    (kernel.channel.at.line, kernel.channel.text.edited, kernel.flow.offset) = text;
+    kernel.channel.state.secondary = secondary;
+    (kernel.channel.state.cycle, kernel.channel.state.arcs) = (cycle, arcs);
+    (kernel.channel.state.modal, kernel.channel.state.remembered) = (modal, remembered);
+    (kernel.channel.state.place.position, kernel.channel.state.place.frames) = place;
+    kernel.plan = outer_plan;
+    done?;
+    Ok(std::mem::take(&mut kernel.channel.state.others.turning.reading))
+}
+
+/// Reads the blocks from the first to the last one.
+fn read_blocks(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart) -> Acted {
+    if let Some(frame) = kernel.flow.frame() {
+        (frame.next, frame.offset) = (first.line, first.offset);
+    }
+    let sources = kernel.channel.env.sources;
+    loop {
+        let Some((file, here)) = kernel.flow.frame().map(|frame| (frame.file, frame.next_block())) else {
+            return Ok(());
         };
-        let name = if blocks.is_some() { format!("N{number}") } else { format!("O{number:04}") };
-        self.read_subprogram(SubprogramCall { name: name.into(), place, passes: 1, closes: false })?;
-        let reading = std::mem::take(&mut self.channel.state.others.turning.kept);
-        (self.plan.actions.cut_contour)(self, cycle, reading)
-    }
-
-    /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
-    fn run_contour(&mut self, first: BlockStart, last: BlockStart, what: Callee, back: Option<u8>) -> Acted {
-        self.check_nesting(|| what.to_string())?;
-        let here = self.channel.at.file;
-        let file = self.flow.frame().map_or(here, |frame| frame.file);
-        let back = back.map(|off| Box::new((self.channel.state.place.programmed(), off)));
-        let range = ProgramRange { number: None, first: first.line, last: last.line };
-        let name = match &what {
-            Callee::Named(name) => Arc::clone(name),
-            Callee::Blocks(from, to) => format!("N{from}-N{to}").into(),
-            _ => Arc::default(),
+        let Some(source) = sources.get(file).filter(|_| (first..=last).contains(&here)) else { return Ok(()) };
+        kernel.count_as_block()?;
+        if let Some(frame) = kernel.flow.frame() {
+            frame.next = here.line + 1;
+        }
+        let text = source.line(here.line);
+        kernel.channel.at.line = here.line;
+        let held;
+        let text = if kernel.channel.tables.edits.reshapes && is_reshaped(&mut kernel.channel, &kernel.flow, source) {
+            held = reshape(kernel, text, here.line)?;
+            held.text()
+        } else {
+            text
         };
-        let called = CallRecord { what, passes: 1, block: None };
-        let text = RunningProgram::main(file, range, name);
-        self.enter(RunningProgram { offset: first.offset, closes: true, called, back, ..text });
-        Ok(())
-    }
-
-    /// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
-    pub(crate) fn end_contour(&mut self, (back, off): &(Position, u8)) -> Acted {
-        if let Some(place) = self.flow.frame().map(|frame| {
-            let line = if frame.offset == 0 { frame.next.saturating_sub(1) } else { frame.next };
-            BlockPlace { file: frame.file, line, caller: frame.caller }
-        }) {
-            self.channel.at.go_to(place);
-            self.channel.text.edited = None;
+        if text.trim_ascii().is_empty() {
+            continue;
         }
-        if *off != 0 {
-            let mut first = self.channel.state.place.programmed();
-            for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
-                *slot = if off & 1 << index == 0 { *slot } else { back };
-            }
-            (self.plan.actions.straight.back)(self, &first)?;
+        if kernel.channel.tables.edits.long_comments {
+            pass_long_comment(kernel, source, here.line, text)?;
         }
-        (self.plan.actions.straight.back)(self, back)
-    }
-
-    /// Reads the contour.
-    fn read_contour(&mut self, first: BlockStart, last: BlockStart) -> Result<RecordedContour, Halt> {
-        let next = self.flow.frame().map(|frame| (frame.next, frame.offset));
-        self.reading(None, |kernel| {
-            let done = kernel.read_blocks(first, last);
-            if let (Some(frame), Some(next)) = (kernel.flow.frame(), next) {
-                (frame.next, frame.offset) = next;
-            }
-            done
-        })
-    }
-
-    /// Reads the shape of a blank, which has no rapid move.
-    fn read_blank(&mut self, first: u32, last: u32) -> Result<Vec<Element>, Halt> {
-        let blank = self.read_contour(BlockStart::line(first), BlockStart::line(last))?;
-        if blank.first.is_some_and(|first| !first.rapid) && !blank.elements.is_empty() {
-            return Ok(blank.elements);
-        }
-        let text = format!(
-            "the shape of the blank of '{}' has a straight move at a feed first, and pieces",
-            self.channel.block_text()
-        );
-        Err(self.alarm(&diag::CONTOUR_FIRST, text))
-    }
-
-    /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
-    pub(crate) fn read_subprogram(&mut self, call: SubprogramCall) -> Acted {
-        let plane = self.channel.active_plane();
-        let place = self.channel.at.block_place();
-        self.channel.state.others.turning.reads = true;
-        let read = self.reading(plane, |kernel| {
-            let level = kernel.flow.frames.len();
-            kernel.call_text(call)?;
-            while kernel.flow.frames.len() > level {
-                kernel.step()?;
-            }
-            Ok(())
-        });
-        self.channel.state.others.turning.reads = false;
-        self.channel.at.go_to(place);
-        self.channel.state.others.turning.kept = read?;
-        Ok(())
-    }
-
-    /// Lets blocks be read: their moves are recorded in a plane, and none of their changes remain.
-    fn reading(
-        &mut self,
-        plane: Option<LathePlane>,
-        blocks: impl FnOnce(&mut Self) -> Acted,
-    ) -> Result<RecordedContour, Halt> {
-        let Some(plan) = self.plan.reading.as_deref() else { return Ok(RecordedContour::default()) };
-        let outer_plan = std::mem::replace(&mut self.plan, plan);
-        let start = self.channel.state.place.programmed();
-        let place = &mut self.channel.state.place;
-        let place = (std::mem::replace(&mut place.position, start), place.frames.take());
-        let (modal, remembered) = (self.channel.state.modal.clone(), self.channel.state.remembered.clone());
-        let (cycle, arcs) = (self.channel.state.cycle, std::mem::take(&mut self.channel.state.arcs));
-        let secondary = self.channel.state.secondary;
-        let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
-        let block = self.channel.context.enter();
-
-        self.channel.state.threads.recorded = None;
-        let own = RecordedContour { start: self.channel.flat(&start), plane, ..RecordedContour::default() };
-        self.channel.state.others.turning.reading = own;
-        // A feed per minute needs no spindle; moves are only recorded.
-        self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
-        self.channel.state.remembered.remember(data::FEED_UPM, READING_FEED);
-        // Feeds per revolution of the contour are read as feeds per minute.
-        let long_move = std::mem::replace(&mut self.channel.reports.plausible.long_move, true);
-        let done = blocks(self).and_then(|()| self.flush_lookahead());
-        self.channel.reports.plausible.long_move = long_move;
-        let done = done.map_err(|halt| self.end_compensation(halt));
-
-        self.channel.context = block;
-        (self.channel.at.line, self.channel.text.edited, self.flow.offset) = text;
-        self.channel.state.secondary = secondary;
-        (self.channel.state.cycle, self.channel.state.arcs) = (cycle, arcs);
-        (self.channel.state.modal, self.channel.state.remembered) = (modal, remembered);
-        (self.channel.state.place.position, self.channel.state.place.frames) = place;
-        self.plan = outer_plan;
-        done?;
-        Ok(std::mem::take(&mut self.channel.state.others.turning.reading))
-    }
-
-    /// Reads the blocks from the first to the last one.
-    fn read_blocks(&mut self, first: BlockStart, last: BlockStart) -> Acted {
-        if let Some(frame) = self.flow.frame() {
-            (frame.next, frame.offset) = (first.line, first.offset);
-        }
-        let sources = self.channel.env.sources;
-        loop {
-            let Some((file, here)) = self.flow.frame().map(|frame| (frame.file, frame.next_block())) else {
-                return Ok(());
-            };
-            let Some(source) = sources.get(file).filter(|_| (first..=last).contains(&here)) else { return Ok(()) };
-            self.count_as_block()?;
-            if let Some(frame) = self.flow.frame() {
-                frame.next = here.line + 1;
-            }
-            let text = source.line(here.line);
-            self.channel.at.line = here.line;
-            let held;
-            let text = if self.channel.tables.edits.reshapes && is_reshaped(&mut self.channel, &self.flow, source) {
-                held = self.reshape(text, here.line)?;
-                held.text()
-            } else {
-                text
-            };
-            if text.trim_ascii().is_empty() {
-                continue;
-            }
-            if self.channel.tables.edits.long_comments {
-                self.pass_long_comment(source, here.line, text)?;
-            }
-            (self.channel.context.text, self.channel.context.left) = (None, None);
-            let next = self.flow.frame().map(|frame| frame.next_block());
-            self.block(text)?;
-            self.channel.check_stop()?;
-            if self.flow.pending.take().is_some() || self.flow.frame().map(|frame| frame.next_block()) != next {
-                let text = format!("a contour has no call, return, end or jump: '{}'", self.channel.block_text());
-                return Err(self.alarm(&diag::CONTOUR_CODE, text));
-            }
+        (kernel.channel.context.text, kernel.channel.context.left) = (None, None);
+        let next = kernel.flow.frame().map(|frame| frame.next_block());
+        process_block(kernel, text)?;
+        kernel.channel.check_stop()?;
+        if kernel.flow.pending.take().is_some() || kernel.flow.frame().map(|frame| frame.next_block()) != next {
+            let text = format!("a contour has no call, return, end or jump: '{}'", kernel.channel.block_text());
+            return Err(kernel.alarm(&diag::CONTOUR_CODE, text));
         }
     }
 }

@@ -12,8 +12,8 @@ use counterpoint_program::tape::Within;
 
 use crate::channel::Kernel;
 use crate::channel::macro_queries::block_scanner;
-use crate::trace;
-use crate::trace::TextStage;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::{TextStage, trace_line};
 
 /// The text of a block.
 pub enum Reshaped<'l> {
@@ -34,48 +34,6 @@ impl Reshaped<'_> {
 }
 
 impl Kernel<'_> {
-    /// The block of a line: its part up to the character that ends blocks, after the tape editor. Sets where reading
-    /// continues.
-    ///
-    /// # Errors
-    /// A rule of the tape editor makes the block too long, or the job is to end.
-    pub fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
-        let (block, only) = part_of_line(&self.channel, &mut self.flow, line, number);
-        let mut text = (!only).then(|| Arc::from(block));
-        if let Some(tape) = &self.channel.tables.edits.tape {
-            let (on, memory) = &mut self.channel.text.tape;
-            let limit = self.channel.env.options.limits.block_length;
-            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.ports.control.stop() }, memory);
-            if self.ports.control.cancelled() {
-                return Err(Halt::Stopped);
-            }
-            // A step of a search is work on a byte, which is much less than an element.
-            self.work(edited.work / 16)?;
-            if let Some((rule, length)) = edited.long {
-                let text =
-                    format!("rule {} of the tape editor makes {length} bytes, a block may have {limit}", rule + 1);
-                return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
-            }
-            if let Some(changed) = edited.text {
-                self.trace('E', |_| crate::trace::edited(TextStage::TapeEditor, &String::from_utf8_lossy(&changed)));
-                text = Some(Arc::from(changed));
-            }
-            if let Some(rule) = edited.stuck {
-                let text = format!(
-                    "rule {} of the tape editor needs too many steps on '{}' and is skipped for this block",
-                    rule + 1,
-                    self.channel.block_text()
-                );
-                self.diagnose(&diag::TAPE_RULE, text);
-            }
-        }
-        self.channel.text.edited.clone_from(&text);
-        Ok(match text {
-            Some(text) => Reshaped::Own(text),
-            None => Reshaped::Line(block),
-        })
-    }
-
     /// The trace of block delete.
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
         let (tables, own) = (self.channel.tables, block_scanner(self.plan, &self.channel, &self.macros));
@@ -84,7 +42,52 @@ impl Kernel<'_> {
             && let Some((active, left)) = scanner.without_deleted(text, text)
         {
             let stage = if active { TextStage::DeleteOn } else { TextStage::DeleteOff };
-            self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
+            trace_line(&mut self.channel, 'E', |_| {
+                counterpoint_channel::trace::edited(stage, String::from_utf8_lossy(&left).trim())
+            });
         }
     }
+}
+
+/// The block of a line: its part up to the character that ends blocks, after the tape editor. Sets where reading
+/// continues.
+///
+/// # Errors
+/// A rule of the tape editor makes the block too long, or the job is to end.
+pub fn reshape<'l>(kernel: &mut Kernel<'_>, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
+    let (block, only) = part_of_line(&kernel.channel, &mut kernel.flow, line, number);
+    let mut text = (!only).then(|| Arc::from(block));
+    if let Some(tape) = &kernel.channel.tables.edits.tape {
+        let (on, memory) = &mut kernel.channel.text.tape;
+        let limit = kernel.channel.env.options.limits.block_length;
+        let edited = tape.edit(block, &Within { on, longest: limit, stop: kernel.ports.control.stop() }, memory);
+        if kernel.ports.control.cancelled() {
+            return Err(Halt::Stopped);
+        }
+        // A step of a search is work on a byte, which is much less than an element.
+        kernel.work(edited.work / 16)?;
+        if let Some((rule, length)) = edited.long {
+            let text = format!("rule {} of the tape editor makes {length} bytes, a block may have {limit}", rule + 1);
+            return Err(kernel.alarm(&diag::BLOCK_TOO_LONG, text));
+        }
+        if let Some(changed) = edited.text {
+            trace_line(&mut kernel.channel, 'E', |_| {
+                counterpoint_channel::trace::edited(TextStage::TapeEditor, &String::from_utf8_lossy(&changed))
+            });
+            text = Some(Arc::from(changed));
+        }
+        if let Some(rule) = edited.stuck {
+            let text = format!(
+                "rule {} of the tape editor needs too many steps on '{}' and is skipped for this block",
+                rule + 1,
+                kernel.channel.block_text()
+            );
+            kernel.diagnose(&diag::TAPE_RULE, text);
+        }
+    }
+    kernel.channel.text.edited.clone_from(&text);
+    Ok(match text {
+        Some(text) => Reshaped::Own(text),
+        None => Reshaped::Line(block),
+    })
 }

@@ -20,6 +20,9 @@ use counterpoint_program::spot::BlockStart;
 use crate::channel::Kernel;
 use crate::channel::macro_queries::call_record;
 use crate::channel::statement::interpreter_repeat;
+use crate::pipeline::contour::{contour_cycle, end_contour, read_subprogram};
+use crate::pipeline::data_blocks::pass_data_blocks;
+use crate::pipeline::definitions::{report_heading, report_twice};
 
 impl Kernel<'_> {
     /// Executes the block's deferred call, return or end.
@@ -30,41 +33,7 @@ impl Kernel<'_> {
             end_functions(&mut self.channel);
         }
         let flow = &self.flow;
-        if flow.pending.is_some() || !flow.modal.is_empty() || flow.modal_text { self.follow_up() } else { Ok(()) }
-    }
-
-    #[inline(never)]
-    fn follow_up(&mut self) -> Acted {
-        if self.flow.pending.is_none() {
-            if self.flow.modal_text && std::mem::take(&mut self.channel.block.flags.moved) {
-                self.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
-            }
-            self.flow.call_modally(&mut self.channel.block);
-        }
-        match self.flow.pending.take() {
-            None => Ok(()),
-            Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
-            Some(Pending::Figure { program, passes, figure }) => self.call_figure(program, passes, figure),
-            Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
-            Some(Pending::CallText(call)) => self.call_text(*call),
-            Some(Pending::Contour(cycle)) => self.contour_cycle(&cycle),
-            Some(Pending::ReadContour(call)) => self.read_subprogram(*call),
-            Some(Pending::Strip(strip)) => (self.plan.actions.strip)(self, &strip),
-            Some(Pending::DataBlocks) => self.pass_data_blocks(),
-            Some(Pending::Return(target)) => self.return_from(target),
-            Some(Pending::End(stop)) => {
-                if self.flow.modal_text {
-                    self.with_interpreter(|interpreter, kernel| interpreter.on_end(kernel));
-                    self.channel.check_stop()?;
-                }
-                Err(Halt::ProgramEnd(Some(stop)))
-            }
-        }?;
-        match self.flow.pending {
-            // Programmed by a macro around the call.
-            Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
-            _ => Ok(()),
-        }
+        if flow.pending.is_some() || !flow.modal.is_empty() || flow.modal_text { follow_up(self) } else { Ok(()) }
     }
 
     /// Records the request of the block for its end: the last call or return counts, an end code in any case.
@@ -79,92 +48,6 @@ impl Kernel<'_> {
             _ => {}
         }
         self.flow.pending = Some(pending);
-    }
-
-    fn call(
-        &mut self,
-        what: Callee,
-        passes: u32,
-        arguments: Option<Vec<(u8, f64)>>,
-        by: Option<Box<CallingWord>>,
-    ) -> Acted {
-        let modal = self.flow.modal.take_caller();
-        self.check_nesting(|| match &what {
-            Callee::Program(number) => number.to_string(),
-            other => other.to_string(),
-        })?;
-        self.check_levels(arguments.is_some(), &what)?;
-        let mut found = self.find_program(&what)?;
-        let called = call_record(self.plan, &self.channel, what.clone(), passes);
-        if let Some(hooks) = self.plan.hooks {
-            match (hooks.program.call)(self, &called, found)? {
-                None => return Ok(()),
-                Some(place) => found = place,
-            }
-        }
-        let Some((file, range)) = found else {
-            let text = format!("{what} not found, called in '{}'; {}", self.channel.block_text(), self.places(&what));
-            return self.program_missing(text);
-        };
-        self.report_heading(file, range);
-        self.report_twice(file, range);
-        if let Some(by) = &by {
-            self.hand_over(by)?;
-        }
-        let own_variables = arguments.is_some();
-        if let Some(arguments) = arguments {
-            self.dialect.variables.enter(&arguments);
-        }
-        let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
-        let text = RunningProgram::main(file, range, self.flow.name_of(&what));
-        self.enter(RunningProgram { repeats, own_variables, modal, called, by, ..text });
-        Ok(())
-    }
-
-    /// Calls a program whose passes are copies of a figure. Figures of the same kind cannot be nested.
-    fn call_figure(&mut self, program: u32, passes: u32, figure: Box<CopiedFigure>) -> Acted {
-        let depth = self.flow.frames.len();
-        let same =
-            |frame: &RunningProgram| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
-        if self.flow.frames.iter().any(same) {
-            let text = format!(
-                "{} a figure copy is nested in a copy of the same kind in '{}'",
-                figure.copy.alarm(),
-                self.channel.block_text()
-            );
-            return Err(self.alarm(&diag::FIGURE_NESTED, text));
-        }
-        self.call(Callee::Program(program), passes, None, None)?;
-        if self.flow.frames.len() > depth
-            && let Some(frame) = self.flow.frames.last_mut()
-        {
-            frame.figure = Some(figure);
-        }
-        Ok(())
-    }
-
-    /// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
-    /// current file (reference control-emulator.md 5.7).
-    fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
-        self.check_nesting(|| what.to_string())?;
-        self.check_levels(false, &what)?;
-        let range = find_range(&self.channel, &mut self.flow, &what);
-        let mut found = range.map(|range| (self.channel.at.file, range));
-        let called = call_record(self.plan, &self.channel, what.clone(), passes);
-        if let Some(hooks) = self.plan.hooks {
-            match (hooks.program.call)(self, &called, found)? {
-                None => return Ok(()),
-                Some(place) => found = place,
-            }
-        }
-        let Some((file, range)) = found else {
-            let text = format!("{what} is not in the file, called in '{}'", self.channel.block_text());
-            return self.program_missing(text);
-        };
-        let repeats = passes.saturating_sub(1);
-        let text = RunningProgram::main(file, range, self.flow.name_of(&what));
-        self.enter(RunningProgram { repeats, closes: true, called, ..text });
-        Ok(())
     }
 
     pub(crate) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
@@ -216,89 +99,6 @@ impl Kernel<'_> {
         self.interpreter_call();
     }
 
-    /// Return of a subprogram, or of the main program.
-    pub fn return_from(&mut self, target: Option<u32>) -> Acted {
-        if self.flow.frames.len() <= 1 {
-            return self.main_return(target);
-        }
-        if let Some(frame) = self.flow.frames.last_mut()
-            && frame.repeats > 0
-        {
-            frame.repeats -= 1;
-            let (first, last) = (frame.range.first, frame.range.last);
-            (frame.next, frame.offset) = (first, 0);
-            if let Some(figure) = frame.figure.as_deref_mut() {
-                figure.made += 1;
-                let figure = figure.clone();
-                (self.plan.actions.copy_figure)(self, &figure, true)?;
-            }
-            let level = self.flow.level();
-            self.flow.loops.restart(level);
-            interpreter_repeat(&mut self.dialect);
-            self.end_pass(first, last)?;
-            return self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(self));
-        }
-        if let Some(frame) = self.flow.frames.pop() {
-            if frame.own_variables {
-                if let Some(caller) = frame.modal {
-                    self.flow.modal.keep(caller, self.dialect.variables.locals());
-                }
-                self.dialect.variables.leave();
-                let level = self.flow.call_level();
-                self.flow.modal.leave(level);
-            }
-            self.interpreter_return();
-            self.flow.pass.leave(self.flow.frames.len());
-            let level = self.flow.level();
-            self.flow.loops.return_to(level);
-            if let Some(back) = &frame.back {
-                self.end_contour(back)?;
-            }
-            if let Some(figure) = &frame.figure {
-                (self.plan.actions.copy_figure)(self, figure, false)?;
-            }
-            let level = self.flow.frames.len() as u16;
-            self.channel.emitter.emit_as(&self.channel.at, 0, |kind| *kind = Kind::Return(Return { level }));
-            if let Some(hooks) = self.plan.hooks {
-                (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
-            }
-        }
-        match target {
-            Some(number) => self.jump_to_sequence(number),
-            None => Ok(()),
-        }
-    }
-
-    fn main_return(&mut self, target: Option<u32>) -> Acted {
-        if let Some(number) = target {
-            return self.jump_to_sequence(number);
-        }
-        match self.channel.env.machine.subprograms.main_return {
-            MainReturn::Restart => {
-                let first = self.flow.frame().map_or(1, |f| f.range.first);
-                self.flow.loops = dialect::LoopStack::default();
-                self.jump_to_line(first)
-            }
-            MainReturn::End => {
-                self.diagnose(
-                    &diag::MAIN_RETURN,
-                    "return code in the main program: the control would start again, the run ends after this cycle",
-                );
-                Err(Halt::ProgramEnd(None))
-            }
-        }
-    }
-
-    /// Jumps to the sequence number: searches forward first, then from the top of the program.
-    pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        if self.flow.frames.is_empty() {
-            return Ok(());
-        }
-        let block = self.find_sequence(number)?;
-        self.interpreter_jump(block);
-        self.jump_to(block)
-    }
-
     /// The block with a sequence number: searches forward first, then from the top of the program.
     pub fn find_sequence(&mut self, number: u32) -> Result<BlockStart, Halt> {
         let sources = self.channel.env.sources;
@@ -328,4 +128,206 @@ impl Kernel<'_> {
         (frame.next, frame.offset) = (target.line, target.offset);
         if back { self.end_pass(target.line, from) } else { Ok(()) }
     }
+}
+
+#[inline(never)]
+fn follow_up(kernel: &mut Kernel<'_>) -> Acted {
+    if kernel.flow.pending.is_none() {
+        if kernel.flow.modal_text && std::mem::take(&mut kernel.channel.block.flags.moved) {
+            kernel.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
+        }
+        kernel.flow.call_modally(&mut kernel.channel.block);
+    }
+    match kernel.flow.pending.take() {
+        None => Ok(()),
+        Some(Pending::Call { what, passes, arguments, by }) => call_program(kernel, what, passes, arguments, by),
+        Some(Pending::Figure { program, passes, figure }) => call_figure(kernel, program, passes, figure),
+        Some(Pending::CallRange { what, passes }) => call_range(kernel, what, passes),
+        Some(Pending::CallText(call)) => kernel.call_text(*call),
+        Some(Pending::Contour(cycle)) => contour_cycle(kernel, &cycle),
+        Some(Pending::ReadContour(call)) => read_subprogram(kernel, *call),
+        Some(Pending::Strip(strip)) => (kernel.plan.actions.strip)(kernel, &strip),
+        Some(Pending::DataBlocks) => pass_data_blocks(kernel),
+        Some(Pending::Return(target)) => return_from(kernel, target),
+        Some(Pending::End(stop)) => {
+            if kernel.flow.modal_text {
+                kernel.with_interpreter(|interpreter, kernel| interpreter.on_end(kernel));
+                kernel.channel.check_stop()?;
+            }
+            Err(Halt::ProgramEnd(Some(stop)))
+        }
+    }?;
+    match kernel.flow.pending {
+        // Programmed by a macro around the call.
+        Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
+        _ => Ok(()),
+    }
+}
+
+fn call_program(
+    kernel: &mut Kernel<'_>,
+    what: Callee,
+    passes: u32,
+    arguments: Option<Vec<(u8, f64)>>,
+    by: Option<Box<CallingWord>>,
+) -> Acted {
+    let modal = kernel.flow.modal.take_caller();
+    kernel.check_nesting(|| match &what {
+        Callee::Program(number) => number.to_string(),
+        other => other.to_string(),
+    })?;
+    kernel.check_levels(arguments.is_some(), &what)?;
+    let mut found = kernel.find_program(&what)?;
+    let called = call_record(kernel.plan, &kernel.channel, what.clone(), passes);
+    if let Some(hooks) = kernel.plan.hooks {
+        match (hooks.program.call)(kernel, &called, found)? {
+            None => return Ok(()),
+            Some(place) => found = place,
+        }
+    }
+    let Some((file, range)) = found else {
+        let text = format!("{what} not found, called in '{}'; {}", kernel.channel.block_text(), kernel.places(&what));
+        return kernel.program_missing(text);
+    };
+    report_heading(kernel, file, range);
+    report_twice(kernel, file, range);
+    if let Some(by) = &by {
+        kernel.hand_over(by)?;
+    }
+    let own_variables = arguments.is_some();
+    if let Some(arguments) = arguments {
+        kernel.dialect.variables.enter(&arguments);
+    }
+    let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
+    let text = RunningProgram::main(file, range, kernel.flow.name_of(&what));
+    kernel.enter(RunningProgram { repeats, own_variables, modal, called, by, ..text });
+    Ok(())
+}
+
+/// Calls a program whose passes are copies of a figure. Figures of the same kind cannot be nested.
+fn call_figure(kernel: &mut Kernel<'_>, program: u32, passes: u32, figure: Box<CopiedFigure>) -> Acted {
+    let depth = kernel.flow.frames.len();
+    let same = |frame: &RunningProgram| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
+    if kernel.flow.frames.iter().any(same) {
+        let text = format!(
+            "{} a figure copy is nested in a copy of the same kind in '{}'",
+            figure.copy.alarm(),
+            kernel.channel.block_text()
+        );
+        return Err(kernel.alarm(&diag::FIGURE_NESTED, text));
+    }
+    call_program(kernel, Callee::Program(program), passes, None, None)?;
+    if kernel.flow.frames.len() > depth
+        && let Some(frame) = kernel.flow.frames.last_mut()
+    {
+        frame.figure = Some(figure);
+    }
+    Ok(())
+}
+
+/// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
+/// current file (reference control-emulator.md 5.7).
+fn call_range(kernel: &mut Kernel<'_>, what: Callee, passes: u32) -> Acted {
+    kernel.check_nesting(|| what.to_string())?;
+    kernel.check_levels(false, &what)?;
+    let range = find_range(&kernel.channel, &mut kernel.flow, &what);
+    let mut found = range.map(|range| (kernel.channel.at.file, range));
+    let called = call_record(kernel.plan, &kernel.channel, what.clone(), passes);
+    if let Some(hooks) = kernel.plan.hooks {
+        match (hooks.program.call)(kernel, &called, found)? {
+            None => return Ok(()),
+            Some(place) => found = place,
+        }
+    }
+    let Some((file, range)) = found else {
+        let text = format!("{what} is not in the file, called in '{}'", kernel.channel.block_text());
+        return kernel.program_missing(text);
+    };
+    let repeats = passes.saturating_sub(1);
+    let text = RunningProgram::main(file, range, kernel.flow.name_of(&what));
+    kernel.enter(RunningProgram { repeats, closes: true, called, ..text });
+    Ok(())
+}
+
+/// Return of a subprogram, or of the main program.
+pub fn return_from(kernel: &mut Kernel<'_>, target: Option<u32>) -> Acted {
+    if kernel.flow.frames.len() <= 1 {
+        return main_return(kernel, target);
+    }
+    if let Some(frame) = kernel.flow.frames.last_mut()
+        && frame.repeats > 0
+    {
+        frame.repeats -= 1;
+        let (first, last) = (frame.range.first, frame.range.last);
+        (frame.next, frame.offset) = (first, 0);
+        if let Some(figure) = frame.figure.as_deref_mut() {
+            figure.made += 1;
+            let figure = figure.clone();
+            (kernel.plan.actions.copy_figure)(kernel, &figure, true)?;
+        }
+        let level = kernel.flow.level();
+        kernel.flow.loops.restart(level);
+        interpreter_repeat(&mut kernel.dialect);
+        kernel.end_pass(first, last)?;
+        return kernel.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(kernel));
+    }
+    if let Some(frame) = kernel.flow.frames.pop() {
+        if frame.own_variables {
+            if let Some(caller) = frame.modal {
+                kernel.flow.modal.keep(caller, kernel.dialect.variables.locals());
+            }
+            kernel.dialect.variables.leave();
+            let level = kernel.flow.call_level();
+            kernel.flow.modal.leave(level);
+        }
+        kernel.interpreter_return();
+        kernel.flow.pass.leave(kernel.flow.frames.len());
+        let level = kernel.flow.level();
+        kernel.flow.loops.return_to(level);
+        if let Some(back) = &frame.back {
+            end_contour(kernel, back)?;
+        }
+        if let Some(figure) = &frame.figure {
+            (kernel.plan.actions.copy_figure)(kernel, figure, false)?;
+        }
+        let level = kernel.flow.frames.len() as u16;
+        kernel.channel.emitter.emit_as(&kernel.channel.at, 0, |kind| *kind = Kind::Return(Return { level }));
+        if let Some(hooks) = kernel.plan.hooks {
+            (hooks.program.returned)(kernel, &frame.called, (frame.file, frame.range))?;
+        }
+    }
+    match target {
+        Some(number) => jump_to_sequence(kernel, number),
+        None => Ok(()),
+    }
+}
+
+fn main_return(kernel: &mut Kernel<'_>, target: Option<u32>) -> Acted {
+    if let Some(number) = target {
+        return jump_to_sequence(kernel, number);
+    }
+    match kernel.channel.env.machine.subprograms.main_return {
+        MainReturn::Restart => {
+            let first = kernel.flow.frame().map_or(1, |f| f.range.first);
+            kernel.flow.loops = dialect::LoopStack::default();
+            kernel.jump_to_line(first)
+        }
+        MainReturn::End => {
+            kernel.diagnose(
+                &diag::MAIN_RETURN,
+                "return code in the main program: the control would start again, the run ends after this cycle",
+            );
+            Err(Halt::ProgramEnd(None))
+        }
+    }
+}
+
+/// Jumps to the sequence number: searches forward first, then from the top of the program.
+pub(crate) fn jump_to_sequence(kernel: &mut Kernel<'_>, number: u32) -> Acted {
+    if kernel.flow.frames.is_empty() {
+        return Ok(());
+    }
+    let block = kernel.find_sequence(number)?;
+    kernel.interpreter_jump(block);
+    kernel.jump_to(block)
 }

@@ -6,15 +6,10 @@ use counterpoint_event::event::{Kind, OperatorMessage};
 use counterpoint_lang::value::MacroValue;
 
 use crate::channel::Kernel;
-use crate::trace;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::trace_line;
 
 impl Kernel<'_> {
-    #[cold]
-    pub(crate) fn show_messages_of_block(&mut self) {
-        let text = self.channel.text_bytes().into_owned();
-        self.show_messages(&text);
-    }
-
     /// Operator messages act before anything else on their block (order 100, reference control-emulator.md 5.6).
     pub(crate) fn show_messages(&mut self, line: &[u8]) {
         for index in 0..self.channel.block.messages.len() {
@@ -31,7 +26,13 @@ impl Kernel<'_> {
         if self.plan.hooks.is_some() {
             self.macros.variables.store.set(names().display, MacroValue::text(text));
         }
-        self.trace('C', |_| trace::code("CODE_DISPLY"));
+        trace_line(&mut self.channel, 'C', |_| trace::code("CODE_DISPLY"));
         self.channel.emit(0, Kind::Message(OperatorMessage { text: text.into(), printed: false }));
     }
+}
+
+#[cold]
+pub(crate) fn show_messages_of_block(kernel: &mut Kernel<'_>) {
+    let text = kernel.channel.text_bytes().into_owned();
+    kernel.show_messages(&text);
 }

@@ -18,53 +18,52 @@ use counterpoint_program::block::Word;
 use crate::channel::Kernel;
 use crate::channel::unknown_codes::machine_text;
 
-impl Kernel<'_> {
-    /// Puts a speed that no code of the block takes before the move of the block.
-    ///
-    /// # Errors
-    /// The alarm of a speed that may be that of another spindle.
-    #[cold]
-    pub(super) fn speed_before_codes(&mut self) -> Acted {
-        let (mut moves, mut modes, mut limits, mut function) = (false, false, false, None);
-        for pending in &self.channel.block.pending {
-            let row = &self.channel.env.machine.codes[pending.row];
-            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::DELAY_REV;
-            if takes || self.plan.hooks.is_some() && matching_code_macro(&self.channel, &self.macros, row.id).is_some()
-            {
-                return Ok(());
-            }
-            limits |= row.id == codes::SPINDLE_MAXRPM;
-            modes |= matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM);
-            moves |= matches!(row.group, group::MOTION | group::CYCLE);
-            function = function.or_else(|| function_without_effect(&self.channel, row).then_some(*pending));
-        }
-        if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed)
-            && let Some(word) = plain_speed(self)
+/// Puts a speed that no code of the block takes before the move of the block.
+///
+/// # Errors
+/// The alarm of a speed that may be that of another spindle.
+#[cold]
+pub(super) fn speed_before_codes(kernel: &mut Kernel<'_>) -> Acted {
+    let (mut moves, mut modes, mut limits, mut function) = (false, false, false, None);
+    for pending in &kernel.channel.block.pending {
+        let row = &kernel.channel.env.machine.codes[pending.row];
+        let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::DELAY_REV;
+        if takes
+            || kernel.plan.hooks.is_some() && matching_code_macro(&kernel.channel, &kernel.macros, row.id).is_some()
         {
-            return self.refuse_speed(pending.value, word);
-        }
-        // G96, G97 and a limit take the speed themselves.
-        if !moves || modes || limits {
             return Ok(());
         }
-        (self.plan.actions.speed_word)(self)
+        limits |= row.id == codes::SPINDLE_MAXRPM;
+        modes |= matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM);
+        moves |= matches!(row.group, group::MOTION | group::CYCLE);
+        function = function.or_else(|| function_without_effect(&kernel.channel, row).then_some(*pending));
     }
+    if let Some(pending) = function.filter(|_| kernel.channel.env.machine.habits.guards_speed)
+        && let Some(word) = plain_speed(kernel)
+    {
+        return refuse_speed(kernel, pending.value, word);
+    }
+    // G96, G97 and a limit take the speed themselves.
+    if !moves || modes || limits {
+        return Ok(());
+    }
+    (kernel.plan.actions.speed_word)(kernel)
+}
 
-    /// The alarm of a speed beside a function without effect.
-    fn refuse_speed(&mut self, function: f64, word: Word) -> Acted {
-        let Some(register) = self.channel.tables.registers.function else { return Ok(()) };
-        let machine = self.channel.env.machine;
-        let function = format!("M{}", written(function, &machine.registers[register].format));
-        let word = self.channel.span_text((word.start, word.end)).to_owned();
-        let text = format!(
-            "{word} beside {function} in '{}': {function} has no effect on {} and may turn another spindle, so \
-             no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
-             `turns_no_spindle = true`",
-            self.channel.block_text(),
-            machine_text(&self.channel, &self.components)
-        );
-        Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))
-    }
+/// The alarm of a speed beside a function without effect.
+fn refuse_speed(kernel: &mut Kernel<'_>, function: f64, word: Word) -> Acted {
+    let Some(register) = kernel.channel.tables.registers.function else { return Ok(()) };
+    let machine = kernel.channel.env.machine;
+    let function = format!("M{}", written(function, &machine.registers[register].format));
+    let word = kernel.channel.span_text((word.start, word.end)).to_owned();
+    let text = format!(
+        "{word} beside {function} in '{}': {function} has no effect on {} and may turn another spindle, so \
+         no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
+         `turns_no_spindle = true`",
+        kernel.channel.block_text(),
+        machine_text(&kernel.channel, &kernel.components)
+    );
+    Err(kernel.alarm(&diag::SPEED_OF_FUNCTION, text))
 }
 
 /// Whether the row is an M function that has no effect and may turn a spindle of the real machine.

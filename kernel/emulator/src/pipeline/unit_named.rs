@@ -2,10 +2,11 @@
 //!
 //! *Invariant:* nothing here changes the effect of a block. Only the start of a text is looked at.
 
-use crate::channel::Kernel;
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_machine::length_units::unit_codes;
+
+use crate::channel::Kernel;
 
 /// Bytes that are looked at.
 const LOOKED_AT: usize = 64 << 10;
@@ -16,26 +17,24 @@ const FEWEST: usize = 10;
 /// Largest coordinate and largest feed of a program in inches.
 const LARGEST: (f64, f64) = (40.0, 400.0);
 
-impl Kernel<'_> {
-    /// Reports a program whose numbers look like inches if the channel runs in millimetres and the program has no code
-    /// of a unit.
-    #[cold]
-    pub(super) fn check_unit_named(&mut self, text: &[u8]) {
-        let machine = self.channel.env.machine;
-        if machine.unit != MachineUnit::Mm || self.channel.state.secondary {
-            return;
-        }
-        let names = unit_codes(machine);
-        if names.is_empty() || !looks_like_inches(text.get(..LOOKED_AT).unwrap_or(text), &names) {
-            return;
-        }
-        let list = names.iter().map(|name| format!("G{name}")).collect::<Vec<_>>().join(", ");
-        let text = format!(
-            "the program has no code of a unit ({list}) and runs in millimetres, but four digits after the point and small \
-             numbers look like inches: name the unit in the program"
-        );
-        self.diagnose(&diag::UNIT_NOT_NAMED, text);
+/// Reports a program whose numbers look like inches if the channel runs in millimetres and the program has no code
+/// of a unit.
+#[cold]
+pub(super) fn check_unit_named(kernel: &mut Kernel<'_>, text: &[u8]) {
+    let machine = kernel.channel.env.machine;
+    if machine.unit != MachineUnit::Mm || kernel.channel.state.secondary {
+        return;
     }
+    let names = unit_codes(machine);
+    if names.is_empty() || !looks_like_inches(text.get(..LOOKED_AT).unwrap_or(text), &names) {
+        return;
+    }
+    let list = names.iter().map(|name| format!("G{name}")).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        "the program has no code of a unit ({list}) and runs in millimetres, but four digits after the point and small \
+         numbers look like inches: name the unit in the program"
+    );
+    kernel.diagnose(&diag::UNIT_NOT_NAMED, text);
 }
 
 /// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with

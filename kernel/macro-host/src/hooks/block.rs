@@ -9,13 +9,15 @@ use counterpoint_channel::macro_queries::has_embedded;
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::queued_codes::literal_of;
 use counterpoint_channel::text;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::{TextStage, trace_line};
 use counterpoint_channel::unknown_words::left_name;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::hook_points::BlockTreatment;
 use counterpoint_emulator::channel::macro_queries::block_scanner;
 use counterpoint_emulator::channel::statement::forget_lines;
-use counterpoint_emulator::trace;
-use counterpoint_emulator::trace::TextStage;
+use counterpoint_emulator::pipeline::act_words;
+use counterpoint_emulator::pipeline::split::split_again;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::MacroValue;
@@ -53,7 +55,7 @@ impl MacroHooks<'_, '_> {
     /// Pre-Processor Shutdown after a block of plain words.
     pub(crate) fn after_preprocessor(&mut self) -> Acted {
         if self.block_macro(Hook::PreprocessorShutdown)? == BlockDecision::Edited {
-            self.kernel.split_again();
+            split_again(self.kernel);
         }
         Ok(())
     }
@@ -69,8 +71,8 @@ impl MacroHooks<'_, '_> {
         if !edited || self.kernel.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
-        self.kernel.split_again();
-        self.kernel.words()
+        split_again(self.kernel);
+        act_words(self.kernel)
     }
 
     /// Keeps the level of the first mark of block skip, on machines that have a row for it.
@@ -108,7 +110,7 @@ impl MacroHooks<'_, '_> {
                 left => self.kernel.channel.context.text = left,
             }
             self.block_macro(Hook::PreprocessorShutdown)?;
-            self.kernel.split_again();
+            split_again(self.kernel);
         }
         Ok(())
     }
@@ -185,12 +187,12 @@ impl MacroHooks<'_, '_> {
         match self.block_macro(Hook::BlockStartup)? {
             BlockDecision::Drop => return Ok(false),
             BlockDecision::Edited => {
-                self.kernel.split_again();
-                self.kernel.trace('E', |kernel| {
-                    trace::edited(TextStage::BlockMacro, &String::from_utf8_lossy(&kernel.channel.text_bytes()))
+                split_again(self.kernel);
+                trace_line(&mut self.kernel.channel, 'E', |channel| {
+                    trace::edited(TextStage::BlockMacro, &String::from_utf8_lossy(&channel.text_bytes()))
                 });
             }
-            BlockDecision::Go if changed => self.kernel.split_again(),
+            BlockDecision::Go if changed => split_again(self.kernel),
             BlockDecision::Go => {}
         }
         Ok(!self.kernel.channel.text_bytes().trim_ascii().is_empty())

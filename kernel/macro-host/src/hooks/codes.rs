@@ -11,8 +11,10 @@ use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::values::{code_value, data_value};
 use counterpoint_channel::modal::group;
 use counterpoint_channel::queued_codes::{data_of_code, enter_code, group_queued};
+use counterpoint_channel::trace::trace_data;
 use counterpoint_channel::word_values::{recall, scaled_number, word_number};
 use counterpoint_emulator::channel::hook_points::BlockOrigin;
+use counterpoint_emulator::pipeline::codes::perform;
 use counterpoint_emulator::pipeline::implied::{imply_motion, queue_by_data};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -127,7 +129,7 @@ impl MacroHooks<'_, '_> {
     fn run_code(&mut self, pending: PendingCode, id: CodeId) -> Acted {
         let Some(code) = matching_code_macro(&self.kernel.channel, &self.kernel.macros, id) else {
             let machine = self.kernel.channel.env.machine;
-            return self.kernel.perform(&machine.codes[pending.row], pending);
+            return perform(self.kernel, &machine.codes[pending.row], pending);
         };
         let mut arguments = [code_value(Some(id)), value_of_code(self.kernel.channel.env.machine, pending)];
         self.run_macro(code, OutputTask::Code(pending, id), &mut arguments).map(|_| ())
@@ -185,7 +187,7 @@ impl MacroHooks<'_, '_> {
         if taken.modal && !taken.incremental {
             self.kernel.channel.state.remembered.remember(id, value);
         }
-        self.kernel.trace_data(id, value);
+        trace_data(&mut self.kernel.channel, id, value);
         Some(RetrievedValue { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 

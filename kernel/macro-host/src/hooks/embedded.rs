@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use counterpoint_channel::macro_queries::has_embedded;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::{TextStage, trace_line};
 use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::trace;
-use counterpoint_emulator::trace::TextStage;
 use counterpoint_event::info::cut;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -29,7 +29,7 @@ pub(crate) fn delete_around_code(hooks: &mut MacroHooks<'_, '_>) {
     let Some((active, left)) = scanner.without_deleted(&text, &seen) else { return };
     let left = String::from_utf8_lossy(&left).into_owned();
     let stage = if active { TextStage::DeleteOn } else { TextStage::DeleteOff };
-    hooks.kernel.trace('E', |_| trace::edited(stage, left.trim()));
+    trace_line(&mut hooks.kernel.channel, 'E', |_| trace::edited(stage, left.trim()));
     hooks.kernel.channel.context.text = Some(Arc::new(left));
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn embedded(hooks: &mut MacroHooks<'_, '_>, kind: usize) -> Result<bo
         return Err(hooks.kernel.alarm(&diag::BLOCK_TOO_LONG, text));
     }
     if out != text {
-        hooks.kernel.trace('E', |_| trace::edited(TextStage::EmbeddedMacro, out.trim()));
+        trace_line(&mut hooks.kernel.channel, 'E', |_| trace::edited(TextStage::EmbeddedMacro, out.trim()));
     }
     hooks.kernel.channel.context.text = Some(Arc::new(out));
     Ok(true)

@@ -11,6 +11,8 @@ use counterpoint_channel::channel_context::Acting;
 use counterpoint_channel::context::BlockContext;
 use counterpoint_channel::macros::issued::Later;
 use counterpoint_emulator::channel::hook_points::BlockOrigin;
+use counterpoint_emulator::pipeline::process_block;
+use counterpoint_emulator::pipeline::read::begin_block;
 use counterpoint_event::event::{Kind, Listing};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -34,7 +36,7 @@ impl MacroHooks<'_, '_> {
     pub(crate) fn next_issued(&mut self) -> Option<Acted> {
         let block = self.kernel.macros.issued.later.pop_front()?;
         self.name_block(&block);
-        let done = self.kernel.begin_block().and_then(|()| self.process_later(block));
+        let done = begin_block(self.kernel).and_then(|()| self.process_later(block));
         Some(done.and_then(|()| self.kernel.follow()))
     }
 
@@ -48,7 +50,7 @@ impl MacroHooks<'_, '_> {
     pub(crate) fn issued_block(&mut self, text: Arc<String>) -> Acted {
         self.kernel.channel.context.begin(Some(text));
         self.kernel.macros.variables.store.number = 0;
-        self.kernel.block(&[])
+        process_block(self.kernel, &[])
     }
 
     /// Writes such a block to the listing: it is not a line of a file.

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use counterpoint_channel::macro_queries::{matching_code_macro, may_have_remarks, row_of_code};
 use counterpoint_channel::macros::calls::OutputTask;
 use counterpoint_channel::macros::values::code_value;
+use counterpoint_channel::trace::trace_ignored;
 use counterpoint_fault::Acted;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -71,7 +72,7 @@ impl MacroHooks<'_, '_> {
                 Ok(())
             }
             None => {
-                self.kernel.trace_ignored(id);
+                trace_ignored(&mut self.kernel.channel, id);
                 Ok(())
             }
         };

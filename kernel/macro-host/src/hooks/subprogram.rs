@@ -6,6 +6,10 @@
 //! of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of
 //! the job.
 
+use counterpoint_channel::callee::{Callee, Pending};
+use counterpoint_channel::flow::CallRecord;
+use counterpoint_channel::macros::calls::{OutputTask, TICKS};
+use counterpoint_emulator::pipeline::follow::return_from;
 use counterpoint_event::event::FileId;
 use counterpoint_event::info::JobFile;
 use counterpoint_fault as diag;
@@ -17,9 +21,6 @@ use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::ProgramRange;
 
 use crate::context::MacroHooks;
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::flow::CallRecord;
-use counterpoint_channel::macros::calls::{OutputTask, TICKS};
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, ProgramRange)>;
@@ -88,7 +89,7 @@ impl MacroHooks<'_, '_> {
                 if let Some(frame) = self.kernel.flow.frames.last_mut() {
                     frame.repeats = 0;
                 }
-                self.kernel.return_from(None)
+                return_from(self.kernel, None)
             }
         }
     }

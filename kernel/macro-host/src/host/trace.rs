@@ -4,36 +4,36 @@
 //! parameters of EXEC. *Invariant:* a macro and everything it shows has one letter; without a trace nothing here is
 //! called.
 
+use counterpoint_channel::macros::runtime::Runtime;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::trace_line;
 use counterpoint_lang::host::TraceStep;
 use counterpoint_lang::value::MacroValue;
 use counterpoint_machine::Machine;
-
-use crate::context::KernelHost;
-use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::trace;
 use counterpoint_machine::macros::condition::BlockIdentifier;
 use counterpoint_machine::macros::model::{Hook, SELECT_TOOL};
+
+use crate::context::KernelHost;
 
 impl KernelHost<'_, '_> {
     /// A macro of the machine begins.
     #[cold]
     pub(crate) fn trace_entering(&mut self, code: u16, selects: bool) {
-        self.kernel.trace(macro_letter(self.kernel.channel.env.machine, code), |kernel| {
-            trace::entering(
-                macro_name(kernel.channel.env.machine, code, selects),
-                &matching_list(kernel.channel.env.machine, code),
-            )
+        let letter = macro_letter(self.kernel.channel.env.machine, code);
+        trace_line(&mut self.kernel.channel, letter, |channel| {
+            trace::entering(macro_name(channel.env.machine, code, selects), &matching_list(channel.env.machine, code))
         });
     }
 
     /// A macro of the machine has ended.
     #[cold]
     pub(crate) fn trace_leaving(&mut self, code: u16, selects: bool) {
-        self.kernel.trace(macro_letter(self.kernel.channel.env.machine, code), |kernel| {
+        let letter = macro_letter(self.kernel.channel.env.machine, code);
+        trace_line(&mut self.kernel.channel, letter, |channel| {
             trace::leaving(
-                macro_name(kernel.channel.env.machine, code, selects),
-                &matching_list(kernel.channel.env.machine, code),
-                running_name(kernel),
+                macro_name(channel.env.machine, code, selects),
+                &matching_list(channel.env.machine, code),
+                running_name(channel.env.machine, &self.kernel.macros),
             )
         });
     }
@@ -48,10 +48,10 @@ impl KernelHost<'_, '_> {
                 } else {
                     running.map_or('H', |code| macro_letter(self.kernel.channel.env.machine, code))
                 };
-                self.kernel.trace(letter, |_| trace::statement(text));
+                trace_line(&mut self.kernel.channel, letter, |_| trace::statement(text));
             }
             TraceStep::Entering(code) if code.is_function => {
-                self.kernel.trace('H', |_| trace::entering(code.name, ""));
+                trace_line(&mut self.kernel.channel, 'H', |_| trace::entering(code.name, ""));
                 if let Some(call) = self.kernel.macros.calls.innermost() {
                     call.functions.push(code.name.to_owned());
                 }
@@ -60,7 +60,9 @@ impl KernelHost<'_, '_> {
                 if let Some(call) = self.kernel.macros.calls.innermost() {
                     call.functions.pop();
                 }
-                self.kernel.trace('H', |kernel| trace::leaving(code.name, "", running_name(kernel)));
+                trace_line(&mut self.kernel.channel, 'H', |channel| {
+                    trace::leaving(code.name, "", running_name(channel.env.machine, &self.kernel.macros))
+                });
             }
             // The caller of a macro of the machine shows it with its name in the machine.
             TraceStep::Entering(_) | TraceStep::Leaving(..) => {}
@@ -69,14 +71,16 @@ impl KernelHost<'_, '_> {
 
     /// EXEC of a block.
     pub(crate) fn trace_exec_text(&mut self, now: bool, text: &str) {
-        self.kernel.trace('X', |_| trace::exec(&format!("{},'{}'", when(now), text.replace('\'', "''"))));
+        trace_line(&mut self.kernel.channel, 'X', |_| {
+            trace::exec(&format!("{},'{}'", when(now), text.replace('\'', "''")))
+        });
     }
 
     /// EXEC of identifiers and values.
     pub(crate) fn trace_exec_items(&mut self, now: bool, items: &[MacroValue]) {
         if self.kernel.channel.env.trace.is_some() {
             let listed = self.listed(items);
-            self.kernel.trace('X', |_| trace::exec(&format!("{},{listed}", when(now))));
+            trace_line(&mut self.kernel.channel, 'X', |_| trace::exec(&format!("{},{listed}", when(now))));
         }
     }
 
@@ -100,9 +104,9 @@ impl KernelHost<'_, '_> {
 }
 
 /// The macro that continues, innermost first; none if no macro is running.
-fn running_name<'k>(kernel: &'k Kernel<'_>) -> Option<&'k str> {
-    let call = kernel.macros.calls.running.last()?;
-    let name = || macro_name(kernel.channel.env.machine, call.code, call.task.selects());
+fn running_name<'k>(machine: &'k Machine, macros: &'k Runtime) -> Option<&'k str> {
+    let call = macros.calls.running.last()?;
+    let name = || macro_name(machine, call.code, call.task.selects());
     Some(call.functions.last().map_or_else(name, String::as_str))
 }
 

@@ -11,6 +11,7 @@ use counterpoint_program::key_words::WrittenNumber;
 
 use crate::channel::Kernel;
 use crate::channel::left_words::{left_plain, left_unknown, left_value, left_written};
+use counterpoint_channel::trace::trace_preprocessed;
 
 impl WordHost for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
@@ -216,7 +217,7 @@ impl WordHost for Kernel<'_> {
 
     fn words_are_made(&mut self) {
         if self.channel.env.trace.is_some() {
-            self.trace_preprocessed();
+            trace_preprocessed(&mut self.channel);
         }
     }
 
