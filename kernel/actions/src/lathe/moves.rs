@@ -91,11 +91,14 @@ impl MoveSink for Cutting<'_, '_, '_> {
             return Ok(());
         }
         let (feed, unit) = self.feed;
-        match to {
+        self.act.channel_mut().state.others.spindles.fixed_stops.in_turning_cycle = true;
+        let done = match to {
             CycleMove::Rapid(_) => self.act.rapid_to_point(coded, target),
             CycleMove::Feed(_) => self.act.feed_to_point(coded, target, feed, unit),
             CycleMove::Arc { center, clockwise, .. } => self.arc([from, target], (center, clockwise), coded),
-        }
+        };
+        self.act.channel_mut().state.others.spindles.fixed_stops.in_turning_cycle = false;
+        done
     }
 }
 

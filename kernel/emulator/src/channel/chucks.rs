@@ -186,15 +186,19 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
     if !kernel.channel.state.others.spindles.chucks {
         return kernel.begin_travel(seconds, motion);
     }
-    before_move(kernel, motion)?;
+    let relief = before_move(kernel, motion)?;
     kernel.begin_travel(seconds, motion)?;
+    if let Some(relief) = relief {
+        change(kernel, |chucks| chucks.relief = relief)?;
+    }
     after_move(kernel, motion)
 }
 
-/// Refuses a move of a sub-spindle that the chucks do not allow.
-fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
-    let Some((slot, [from, to], home)) = slide(kernel, motion) else { return Ok(()) };
-    let Some(chucks) = known(kernel)? else { return Ok(()) };
+/// Refuses a move of a sub-spindle that the chucks do not allow. Returns the travel of the slide with a part that both
+/// chucks hold, after the move.
+fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Result<Option<f64>, Halt> {
+    let Some((slot, [from, to], home)) = slide(kernel, motion) else { return Ok(None) };
+    let Some(chucks) = known(kernel)? else { return Ok(None) };
     let axis = kernel.channel.axis_name(slot);
     let approaches = motion.kind != MotionKind::Rapid && (to - home).abs() > (from - home).abs();
     if approaches && !chucks.sub.open && chucks.sub.piece.is_none() && chucks.main.piece.is_some() {
@@ -202,11 +206,11 @@ fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
         return Err(refuse(kernel, &diag::CHUCK_NOT_OPEN, &reason));
     }
     if !chucks.joined || chucks.sub.open {
-        return Ok(());
+        return Ok(None);
     }
     let relief = if chucks.main.open { to - from } else { chucks.relief + (to - from) };
     if relief.abs() <= RELIEF {
-        return change(kernel, |chucks| chucks.relief = relief);
+        return Ok(Some(relief));
     }
     if !chucks.main.open {
         let reason = format!(
@@ -217,7 +221,7 @@ fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Acted {
     if change(kernel, ChuckPair::take_out)? {
         emit(kernel, "part in chuck sub".to_owned());
     }
-    Ok(())
+    Ok(None)
 }
 
 /// Records whether the sub-spindle is away from home. A cut that ends at the turning axis cuts off a part that both

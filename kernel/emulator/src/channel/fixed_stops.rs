@@ -32,6 +32,11 @@ impl Search {
         let share = (self.stop - self.from) / (self.to - self.from);
         (0.0..=1.0).contains(&share).then_some(share)
     }
+
+    /// Whether the stop is behind the axis, which moves on.
+    fn goes_away(&self) -> bool {
+        self.stop != self.from && self.to != self.from && (self.stop > self.from) != (self.to > self.from)
+    }
 }
 
 /// Executes a move that may end at a stop.
@@ -40,6 +45,16 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
     if searches.is_empty() {
         return chucks::travel(kernel, seconds, motion);
     }
+    if let Some(search) = searches.iter().find(|search| search.goes_away() && motion.kind == MotionKind::Linear) {
+        let text = format!(
+            "axis {} would move from {} to {}, away from its stop at {}: check the position of the stop and the move before",
+            name_of(kernel, search.slot),
+            wildcard_text(search.from),
+            wildcard_text(search.to),
+            wildcard_text(search.stop)
+        );
+        return Err(refuse(kernel, &diag::FIXED_STOP_MISSED, &text));
+    }
     let met = searches.iter().filter_map(|search| Some((search.share()?, search)));
     let Some((share, search)) = met.min_by(|a, b| a.0.total_cmp(&b.0)) else {
         if motion.from != motion.to {
@@ -47,7 +62,8 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
         }
         return missed(kernel, motion, &searches);
     };
-    if motion.kind != MotionKind::Linear || kernel.channel.state.cycle.running {
+    let stops = kernel.channel.state.others.spindles.fixed_stops;
+    if motion.kind != MotionKind::Linear || kernel.channel.state.cycle.running || stops.in_turning_cycle {
         let text = format!(
             "axis {} would pass its stop at {}: only a straight feed move outside a cycle ends at a stop",
             name_of(kernel, search.slot),

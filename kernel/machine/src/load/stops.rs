@@ -23,6 +23,10 @@ pub(super) fn read(top: &mut TableReader<'_>, axes: &mut IdTable<AxisId, Axis>, 
                 format!("the stop of axis {} is at its `home` {}: moves lead away from home", axis.name, axis.home);
             section.error("at", text);
         }
+        if axis.role.is_rotary() && (places[id].is_some() || numbers[id].is_some()) {
+            let key = if places[id].is_some() { "at" } else { "variable" };
+            section.error(key, format!("axis {} is rotary: only linear axes meet stops", axis.name));
+        }
         let number = numbers[id].filter(|number| {
             let fits = VARIABLES.contains(number) && number.fract() == 0.0;
             if !fits {

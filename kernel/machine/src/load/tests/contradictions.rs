@@ -128,3 +128,12 @@ fn dialogs_and_their_variables() {
         after("[[dialogs]]\nname = \"A\"\nbuttons = [{ label = \"OK\" }, { label = \"ok\", type = \"cancel\" }]");
     assert_eq!(buttons, ["3:11: error: two buttons have the label \"ok\", the result of the dialog"]);
 }
+
+#[test]
+fn stops_of_rotary_axes() {
+    let found = after("[[axes]]\nname = \"C9\"\nrole = \"rotary\"\n[stops]\nat = { C9 = 90 }");
+    assert!(
+        found.iter().any(|finding| finding.contains("axis C9 is rotary: only linear axes meet stops")),
+        "{found:#?}"
+    );
+}
