@@ -114,7 +114,7 @@ fn place_of(kernel: &mut Kernel<'_>, slot: AxisSlot, stop: FixedStop) -> Result<
     if let Some(number) = stop.variable
         && let Some(at) = variables::value_of_variable(kernel, number)?
     {
-        return Ok(at);
+        return Ok(at * counterpoint_channel::addresses::length_factor(&kernel.channel, slot));
     }
     if let Some(at) = stop.at {
         return Ok(at);
