@@ -5,6 +5,7 @@
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
+use counterpoint_channel::probing::Probing;
 use counterpoint_event::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
@@ -40,7 +41,10 @@ fn press(act: &mut ActionContext<'_, '_>) -> Acted {
     act.channel_mut().state.others.spindles.fixed_stops.once = coded;
     let moved = approach_and_feed(act, (coded, target), [approach, beyond], (feed, unit));
     act.channel_mut().state.others.spindles.fixed_stops.once = 0;
-    moved
+    moved?;
+    let (end, block) = (act.channel().state.place.position, act.channel().at.blocks);
+    *act.channel_mut().state.skip = Probing { result: 1.0, end, block };
+    Ok(())
 }
 
 /// Approaches at rapid to a distance before the target, and continues at feed to a distance beyond it.

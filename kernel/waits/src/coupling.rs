@@ -108,13 +108,18 @@ pub fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<Coupl
 /// Whether the program of a channel, and programs of other channels, have the code of synchronous control.
 pub fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, ProgramRange)) -> [bool; 2] {
     let mut found = [false; 2];
-    let Some(word) = super::word(machine, codes::COUPLE_SYNCHRONOUS) else { return found };
+    let known = super::word(machine, codes::COUPLE_SYNCHRONOUS);
+    let known: Vec<&str> = known.iter().chain(&machine.sync.coupling_words).map(String::as_str).collect();
+    if known.is_empty() {
+        return found;
+    }
+    let couples = |line: &[u8]| known.iter().any(|word| has_word(line, word.as_bytes()));
     let mut files: Vec<FileId> = info.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
     files.sort_unstable();
     files.dedup();
     for file in files {
         let Some(source) = sources.get(file) else { continue };
-        for line in (1..=source.lines()).filter(|&line| has_word(source.line(line), word.as_bytes())) {
+        for line in (1..=source.lines()).filter(|&line| couples(source.line(line))) {
             let is_own = file == own.0 && (own.1.first..=own.1.last).contains(&line);
             if let Some(slot) = found.get_mut(usize::from(!is_own)) {
                 *slot = true;
@@ -134,7 +139,7 @@ fn has_word(line: &[u8], word: &[u8]) -> bool {
             _ => {}
         }
         let here = line.get(at..at + word.len()).is_some_and(|text| text.eq_ignore_ascii_case(word));
-        deep == 0 && here
+        deep == 0 && here && !line.get(at + word.len()).is_some_and(u8::is_ascii_digit)
     })
 }
 

@@ -37,6 +37,11 @@ impl Siemens {
         Ok(Some(match name.name.as_str() {
             "$P_EP" | "$AA_IW" | "$AA_IB" => Data::Real(self.position(host, name, false)?),
             "$AA_IM" => Data::Real(self.position(host, name, true)?),
+            "$AA_FXS" => {
+                let axis = self.axis_of(host, name)?.text();
+                let letter = host.axis_letter(&axis).map(str::to_owned);
+                Data::Int(i64::from(letter.is_some_and(|letter| host.is_at_fixed_stop(&letter))))
+            }
             "$P_TOOLNO" => Data::Int(i64::from(host.tool())),
             "$P_UIFRNUM" => Data::Int(i64::from(host.work_offset())),
             "$P_CHANNO" => Data::Int(i64::from(host.channel())),

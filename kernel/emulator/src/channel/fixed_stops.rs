@@ -71,6 +71,7 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
         );
         return Err(refuse(kernel, &diag::FIXED_STOP_KIND, &text));
     }
+    kernel.channel.state.others.spindles.fixed_stops.met |= stops.named & search.slot.bit();
     if share == 0.0 {
         return Ok(());
     }

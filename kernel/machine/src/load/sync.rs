@@ -49,6 +49,7 @@ pub(super) fn read(
         signals: None,
         asks_for_axes: false,
         composite_places: false,
+        coupling_words: Vec::new(),
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else {
@@ -77,6 +78,8 @@ pub(super) fn read(
     sync.asks_for_axes = section.choice("exchange", &exchanges).unwrap_or(false);
     let composites = [("continues", false), ("place", true)];
     sync.composite_places = section.choice("composite", &composites).unwrap_or(false);
+    let words = section.texts("couples").unwrap_or_default();
+    sync.coupling_words = words.into_iter().map(|(word, _)| word.to_owned()).collect();
     if sync.poll_ns < 1 {
         section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
     }

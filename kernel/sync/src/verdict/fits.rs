@@ -105,6 +105,9 @@ fn written_from(
             format!("{word} [ID{}]", own.wait.key.number)
         } else if rule.style == WaitNotation::Statement && rule.numbered {
             format!("{}({},...)", rule.word, rule.marked(own.wait.key.number))
+        } else if rule.style == WaitNotation::Axes && !mentions(&info.line_text(own.file, own.line), rule, &own.wait) {
+            // A word of the builder makes the code.
+            info.block_text(own.file, own.line, 60).to_string()
         } else if matches!(rule.style, WaitNotation::LineUp | WaitNotation::Axes) || !rule.numbered {
             waits.rules.text(&own.wait)
         } else {

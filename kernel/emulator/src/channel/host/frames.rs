@@ -183,9 +183,15 @@ impl FrameHost for Kernel<'_> {
 
     fn meet_fixed_stop(&mut self, letter: &str, meets: bool) -> bool {
         let Some(axis) = slot_of(&self.channel, letter) else { return false };
-        let named = &mut self.channel.state.others.spindles.fixed_stops.named;
-        *named = if meets { *named | axis.bit() } else { *named & !axis.bit() };
+        let stops = &mut self.channel.state.others.spindles.fixed_stops;
+        stops.named = if meets { stops.named | axis.bit() } else { stops.named & !axis.bit() };
+        stops.met &= stops.named;
         true
+    }
+
+    fn is_at_fixed_stop(&self, letter: &str) -> bool {
+        let met = self.channel.state.others.spindles.fixed_stops.met;
+        slot_of(&self.channel, letter).is_some_and(|axis| met & axis.bit() != 0)
     }
 
     fn count_feed(&mut self, letters: &[String]) {
