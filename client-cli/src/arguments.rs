@@ -93,6 +93,17 @@ Examples:
   counterpoint analyse out/summary.json --what-if 2:-2.5s --what-if 1:-2.5s
   counterpoint analyse 01938f2c-5d1e-7c4a-9b1e-3f8d2a6b7c90 --json";
 
+const AT_EXAMPLES: &str = "\
+Examples:
+  counterpoint run upper.nc lower.nc --law --out out && counterpoint at out 12.5
+  counterpoint at out 02:05.300 --channel 2
+  counterpoint at 01938f2c 90 --json";
+
+const WHERE_EXAMPLES: &str = "\
+Examples:
+  counterpoint where out upper.nc:120
+  counterpoint where 01938f2c upper.nc:120 --json";
+
 const LOAD_EXAMPLES: &str = "\
 Examples:
   counterpoint load --mix examples/load/standard.toml --callers 8 --for 60s --html load.html
@@ -160,6 +171,12 @@ pub(crate) enum CliCommand {
     /// Show the causes of the cycle time: critical path over the channels, slack, cost of waits, gain of a change
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
+    /// Show each channel at an instant: its block, position, tool, spindles, wait
+    #[command(after_help = AT_EXAMPLES)]
+    At(At),
+    /// Show when a block was executed, and how long it took
+    #[command(after_help = WHERE_EXAMPLES)]
+    Where(Where),
     /// Fit the times of a machine to measured times of program lines, and report the quality of the fit
     #[command(after_help = CALIBRATE_EXAMPLES)]
     Calibrate(Calibrate),
@@ -338,6 +355,41 @@ pub(crate) struct Analyse {
     /// repeated
     #[arg(long, value_name = "CHANNEL:TIME")]
     pub(crate) what_if: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// An instant of a job.
+#[derive(Debug, Args)]
+pub(crate) struct At {
+    /// Read this job of the server, or the output folder of a run
+    #[arg(value_name = "JOB|DIR")]
+    pub(crate) of: String,
+    /// Show this instant of simulated time: seconds such as 12.5, or 300ms, 2min, 02:05.300
+    #[arg(value_name = "TIME")]
+    pub(crate) time: String,
+    /// Show only this channel
+    #[arg(long, value_name = "N")]
+    pub(crate) channel: Option<u16>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// A block of a job.
+#[derive(Debug, Args)]
+pub(crate) struct Where {
+    /// Read this job of the server, or the output folder of a run
+    #[arg(value_name = "JOB|DIR")]
+    pub(crate) of: String,
+    /// Show the times of this block, such as part.nc:120
+    #[arg(value_name = "FILE:LINE")]
+    pub(crate) place: String,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -20,8 +20,8 @@ use crate::step::{Interrupt, StepClient};
 use crate::summary::ReportSummary;
 use crate::watch_all::watch_all;
 use crate::{
-    admin, analyse, calibrate, completions, draft, explain, job_names, jobs, lint, load, machines, macros, man, many,
-    results, run, say, status,
+    admin, analyse, calibrate, completions, draft, explain, instant, job_names, jobs, lint, load, machines, macros,
+    man, many, results, run, say, status,
 };
 
 /// Executes a command and returns the exit code.
@@ -46,6 +46,8 @@ pub(crate) async fn dispatch(command: CliCommand) -> Result<u8, Error> {
         CliCommand::Resume(arguments) => resume(arguments).await,
         CliCommand::Delete(arguments) => many::act(JobAction::Delete, arguments).await,
         CliCommand::Analyse(arguments) => analyse::analyse(arguments).await,
+        CliCommand::At(arguments) => instant::at(arguments).await,
+        CliCommand::Where(arguments) => instant::times(arguments).await,
         CliCommand::Result(arguments) => result(arguments).await,
         CliCommand::Admin(command) => admin::dispatch(command).await,
         CliCommand::Load(arguments) => load::load(arguments).await,

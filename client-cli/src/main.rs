@@ -22,6 +22,7 @@ mod explain;
 mod fields;
 mod findings;
 mod guess;
+mod instant;
 mod job_names;
 mod job_status;
 mod jobs;

@@ -331,12 +331,13 @@ pub(crate) async fn submit_pack(
                 RaceCheck::Warn => v1::RaceCheck::Warn,
                 RaceCheck::Alarm => v1::RaceCheck::Alarm,
             } as i32,
-            time: match inputs.time {
+            time: match inputs.timing.time {
                 Timing::Full => v1::TimeModel::Unspecified,
                 Timing::Simple => v1::TimeModel::Simple,
             } as i32,
             limits: limits(inputs),
             lint,
+            law: inputs.timing.law,
             warnings_off: settings::warnings(&inputs.on.set, false),
             warnings_on: settings::warnings(&inputs.on.set, true),
             no_cache,

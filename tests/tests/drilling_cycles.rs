@@ -9,7 +9,7 @@ use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::log::summary::JobOutcome;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{JobOptions, TimeModel};
+use counterpoint_kernel::options::{JobOptions, MoveTiming};
 use counterpoint_tests::{Work, machine};
 
 /// Cycles of a control as programs, with the programs that they call: paths in the machine, and texts.
@@ -44,7 +44,7 @@ type End = (JobOutcome, Vec<String>);
 /// cycle is one block of the program, not a program of many blocks.
 fn run(machine: &Arc<Machine>, text: &str) -> (Vec<(i64, Kind)>, End) {
     // The path stops where it has too many blocks without moves, of which a program has more.
-    let options = JobOptions { time: TimeModel::Simple, ..JobOptions::default() };
+    let options = JobOptions { timing: MoveTiming::SIMPLE, ..JobOptions::default() };
     let done = Work::texts(Arc::clone(machine), &[text], options).run(None).expect("a job");
     let is_kept = |kind: &Kind| {
         !matches!(kind, Kind::Block(_) | Kind::Call(_) | Kind::Return(_) | Kind::Diagnostic(_) | Kind::Verdict(_))

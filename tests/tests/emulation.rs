@@ -2,7 +2,7 @@
 
 use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::log::event::{Event, FrameShift, Kind, MotionKind, OperatorMessage};
-use counterpoint_kernel::options::{JobOptions, TimeModel};
+use counterpoint_kernel::options::{JobOptions, MoveTiming};
 use counterpoint_tests::{Done, Work, machine, processors};
 
 fn run_on(name: &str, overlay: &str, text: &str, options: JobOptions) -> Done {
@@ -223,8 +223,9 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
     // 100 mm at 100 mm/s and 1000 mm/s²: 1.1 s. The feed moves speed up once and brake once; with simple times the
     // plain one takes 1.0 s, and the one with exact stop does both.
     let text = "G98 F6000.\nG0 Z400.\nG1 Z300.\nG9 G1 Z200.\nM30\n";
-    for (time, expected) in [(TimeModel::Full, [1.1, 1.05, 1.05]), (TimeModel::Simple, [1.1, 1.0, 1.1])] {
-        let done = run_on("fanuc-2path-lathe-exact", overlay, text, JobOptions { time, ..JobOptions::default() });
+    let [usual, simple] = [MoveTiming::default(), MoveTiming::SIMPLE];
+    for (timing, expected) in [(usual, [1.1, 1.05, 1.05]), (simple, [1.1, 1.0, 1.1])] {
+        let done = run_on("fanuc-2path-lathe-exact", overlay, text, JobOptions { timing, ..JobOptions::default() });
         let times: Vec<f64> = motions(&done).into_iter().map(|(_, _, t)| t).collect();
         for (found, expected) in times.iter().zip(expected) {
             close(*found, expected);

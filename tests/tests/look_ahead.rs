@@ -6,7 +6,7 @@
 
 use counterpoint_kernel::log::event::{Event, Kind};
 use counterpoint_kernel::log::summary::Summary;
-use counterpoint_kernel::options::{JobOptions, TimeModel};
+use counterpoint_kernel::options::{JobOptions, MoveTiming};
 use counterpoint_tests::{Done, Work, cases, machine};
 
 /// One program of a channel; `own` and `other` are its number and that of its partner.
@@ -112,7 +112,7 @@ fn check(seed: u64) -> Summary {
         let (results, ..) = work.results(None).unwrap();
         assert_eq!(results.summary, oracle.summary, "seed {seed}, {threads} threads, without a log");
     }
-    work.options.time = TimeModel::Simple;
+    work.options.timing = MoveTiming::SIMPLE;
     let simple = work.run(None).unwrap();
     for channel in 1..=2 {
         let [full, simple] = [&oracle, &simple].map(|done| moves(done, channel));

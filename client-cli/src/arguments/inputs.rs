@@ -27,10 +27,8 @@ pub(crate) struct Inputs {
     /// that stops the later channel
     #[arg(long, value_enum, default_value_t = RaceCheck::Warn, value_name = "off|warn|alarm", hide_possible_values = true)]
     pub(crate) races: RaceCheck,
-    /// Compute the time of moves at feed in full, with the acceleration, corners and look-ahead of the machine
-    /// definition, or simply as length divided by feed
-    #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
-    pub(crate) time: Timing,
+    #[command(flatten)]
+    pub(crate) timing: TimingArgs,
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
@@ -124,7 +122,7 @@ impl Inputs {
             switches: Switches::default(),
             ignore_waits: Vec::new(),
             races: RaceCheck::Off,
-            time: Timing::Full,
+            timing: TimingArgs { time: Timing::Full, law: false },
             threads: 1,
             trace: String::new(),
             param: String::new(),
@@ -135,6 +133,18 @@ impl Inputs {
             max_memory: None,
         }
     }
+}
+
+/// How moves are timed.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct TimingArgs {
+    /// Compute the time of moves at feed in full, with the acceleration, corners and look-ahead of the machine
+    /// definition, or simply as length divided by feed
+    #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
+    pub(crate) time: Timing,
+    /// Record the law of each motion in the events, which determines the place of its axes between its ends
+    #[arg(long)]
+    pub(crate) law: bool,
 }
 
 /// Actions of the operator while the job runs.

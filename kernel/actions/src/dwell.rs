@@ -6,11 +6,12 @@ use counterpoint_lang::format::wildcard_text;
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::plausible::{LONGEST_DWELL, hours};
-use counterpoint_channel::spindle::{SpindleRotation, stopped};
+use counterpoint_channel::spindle::stopped;
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_motion::law::SpindleRotation;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

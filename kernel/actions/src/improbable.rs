@@ -7,12 +7,12 @@ use crate::context::ActionContext;
 use crate::thread::EVEN;
 use crate::time::TimedPath;
 use counterpoint_channel::plausible::hours;
-use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_event::event::{FeedUnit, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::law::SpindleRotation;
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;

@@ -4,12 +4,16 @@
 //! rounded once.
 
 use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::law::{FeedSchedule, SpeedRamp, SpindleRotation};
 use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
+use counterpoint_motion::thread::Lead;
 
 use crate::context::ActionContext;
+use counterpoint_channel::laws::note_law;
 use counterpoint_channel::modal::group;
 use counterpoint_channel::plausible::LONGEST_MOVE;
-use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_channel::spindle::stopped;
+use counterpoint_event::event::{FeedUnit, Position, UnknownLaw};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -31,6 +35,33 @@ pub(crate) struct TimedPath<'a> {
     pub(crate) length: f64,
     /// Arc and index of its radial coordinate (0, 1), when it is one and X is in its plane.
     pub(crate) arc: Option<(&'a PlaneArc, Option<usize>)>,
+}
+
+/// Seconds of a feed move that is timed as rapid.
+#[cold]
+fn seconds_as_rapid(act: &mut ActionContext<'_, '_>, path: &TimedPath<'_>) -> f64 {
+    note_law(act.channel_mut(), |law| law.unknown = Some(UnknownLaw::WithoutFeed));
+    act.rapid_seconds(path.from, path.to)
+}
+
+/// Notes for the law of the next move that its feed follows a spindle.
+#[cold]
+#[inline(never)]
+pub(crate) fn note_turning(
+    act: &mut ActionContext<'_, '_>,
+    path: &TimedPath<'_>,
+    lead: Lead,
+    spindle: SpindleRotation,
+) {
+    let place = &act.channel().state.place;
+    let radii = [path.from, path.to].map(|point| place.radius(point));
+    let schedule = match (spindle, path.arc) {
+        (SpindleRotation::Surface(speed), Some((arc, Some(radial)))) => {
+            FeedSchedule::SurfaceArc { arc: *arc, radial, speed }
+        }
+        _ => FeedSchedule::Turning { lead, way: path.length, radii, spindle },
+    };
+    note_law(act.channel_mut(), |law| law.schedule = schedule);
 }
 
 impl ActionContext<'_, '_> {
@@ -90,7 +121,7 @@ impl ActionContext<'_, '_> {
         self.diagnose(facts, text);
         match least {
             Some(feed) => self.paced(path, feed / 60.0),
-            None => self.rapid_seconds(path.from, path.to),
+            None => seconds_as_rapid(self, path),
         }
     }
 
@@ -137,9 +168,9 @@ impl ActionContext<'_, '_> {
                     }
                     minutes * 60.0
                 }
-                None => self.rapid_seconds(path.from, path.to),
+                None => seconds_as_rapid(self, path),
             },
-            FeedUnit::Rapid => self.rapid_seconds(path.from, path.to),
+            FeedUnit::Rapid => seconds_as_rapid(self, path),
         };
         if seconds > LONGEST_MOVE {
             self.report_long_move(seconds);
@@ -148,7 +179,7 @@ impl ActionContext<'_, '_> {
     }
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
-    fn paced(&self, path: &TimedPath<'_>, speed: f64) -> f64 {
+    fn paced(&mut self, path: &TimedPath<'_>, speed: f64) -> f64 {
         let exact = self.channel().block.flags.exact_stop
             || self.channel().state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         // Where moves are planned ahead, the stop is planned as well.
@@ -164,6 +195,10 @@ impl ActionContext<'_, '_> {
                 acceleration = acceleration.min(a * path.length / change.abs());
             }
         }
+        if acceleration.is_finite() && path.length > 0.0 {
+            let ramp = SpeedRamp::alone(path.length, speed, acceleration);
+            note_law(self.channel_mut(), |law| law.ramp = Some(ramp));
+        }
         stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
     }
 
@@ -178,7 +213,6 @@ impl ActionContext<'_, '_> {
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);
         };
-        use counterpoint_channel::spindle::{SpindleRotation, stopped};
         let minutes = match speed {
             SpindleRotation::Fixed(rpm) => path.length / (feed * rpm),
             SpindleRotation::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
@@ -190,6 +224,9 @@ impl ActionContext<'_, '_> {
                 }
             },
         };
+        if self.channel().state.law.is_some() {
+            note_turning(self, path, Lead { start: feed, change: 0.0 }, speed);
+        }
         self.assume_speed(minutes * 60.0);
         Ok(Some(minutes))
     }

@@ -38,6 +38,7 @@ pub mod flow;
 pub mod frame_transforms;
 pub mod frames;
 pub mod kept_blocks;
+pub mod laws;
 pub mod length_words;
 pub mod loop_tracker;
 pub mod macro_queries;
@@ -105,6 +106,8 @@ pub struct ChannelMemory {
     pub threads: Box<thread::ThreadingState>,
     /// Data of probing moves.
     pub skip: Box<probing::Probing>,
+    /// The law of the move in the making, if the job records laws.
+    pub law: Option<Box<laws::LawDraft>>,
     /// Times of motions and of waiting.
     pub times: Box<times::TimeRecord>,
     /// The memory of other actions.
@@ -126,6 +129,7 @@ impl ChannelMemory {
             arcs: arc::ArcState::default(),
             threads: Box::new(thread::ThreadingState::new(machine)),
             skip: Box::default(),
+            law: None,
             times: Box::default(),
             others: Box::new(RareState::new(machine, channel)),
         }

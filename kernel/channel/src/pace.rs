@@ -9,10 +9,11 @@
 
 use std::collections::VecDeque;
 
-use counterpoint_event::event::{Event, Position};
+use counterpoint_event::event::{Event, MotionLaw, Position, UnknownLaw};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::Channel as MachineChannel;
+use counterpoint_motion::law::{PathLaw, SpeedRamp};
 use counterpoint_motion::lookahead::{LookAhead, LookAheadMove, corner_speed};
 use counterpoint_ports::options::{JobOptions, TimeModel};
 
@@ -47,6 +48,19 @@ pub struct FeedPlanner {
     deviation: Option<f64>,
     /// Least seconds of a move.
     block_time: f64,
+    /// The laws of the moves, without their ramps, if the job records laws.
+    laws: Option<VecDeque<MotionLaw>>,
+}
+
+/// The events of a move that has just been timed.
+#[derive(Debug, Clone, Copy)]
+pub struct TimedMove {
+    /// Events up to the next move.
+    pub count: usize,
+    /// Time beyond that of the move at its feed, ns.
+    pub more: i64,
+    /// The place of the move among the events, and its law, if the job records laws.
+    pub law: Option<(usize, MotionLaw)>,
 }
 
 /// How a move ends.
@@ -67,13 +81,22 @@ pub struct FeedMove {
     pub end: Position,
 }
 
+/// The law of a move that the look-ahead has timed; with a jerk its speed has no ramp.
+fn with_ramp(law: MotionLaw, ramp: Option<SpeedRamp>) -> MotionLaw {
+    match (law, ramp) {
+        (MotionLaw::Path(path), Some(_)) => MotionLaw::Path(PathLaw { ramp, ..path }),
+        (MotionLaw::Path(_), None) => MotionLaw::Unknown(UnknownLaw::Jerk),
+        (law, _) => law,
+    }
+}
+
 impl FeedPlanner {
     /// Of a channel; none where speeds change at once.
     pub fn of(machine: &Machine, channel: &MachineChannel, options: &JobOptions) -> Option<Box<Self>> {
         let time = &machine.time;
         let axes = || channel.axes.iter().map(|axis| &machine.axes[*axis].dynamics);
         let slow = axes().any(|axis| axis.acceleration.is_some()) || time.block_time > 0.0;
-        if options.time == TimeModel::Simple || options.lint || !slow {
+        if options.timing.model == TimeModel::Simple || options.lint || !slow {
             return None;
         }
         let default = if machine.unit == MachineUnit::Inch { DEVIATION / 25.4 } else { DEVIATION };
@@ -91,6 +114,7 @@ impl FeedPlanner {
             end: None,
             deviation,
             block_time: time.block_time,
+            laws: options.timing.law.then(VecDeque::new),
         }))
     }
 
@@ -133,6 +157,13 @@ impl FeedPlanner {
         self.events.back_mut()
     }
 
+    /// The move that comes next has this law, if the job records laws.
+    pub fn keep_law(&mut self, law: MotionLaw) {
+        if let Some(laws) = &mut self.laws {
+            laws.push_back(law);
+        }
+    }
+
     /// The event that was added last is a move; all moves before a stop are timed.
     pub fn push(&mut self, stretch: &FeedMove, jumps: impl Iterator<Item = (usize, f64)>) {
         let FeedMove { mut piece, start, end } = *stretch;
@@ -171,22 +202,29 @@ impl FeedPlanner {
         speed
     }
 
-    /// Times the first move: its events and those before it, with the time beyond its own, ns.
-    pub fn pop(&mut self) -> Option<(usize, i64)> {
-        let seconds = self.look.pop()?;
+    /// Times the first move.
+    pub fn pop(&mut self) -> Option<TimedMove> {
+        let (seconds, law) = match &mut self.laws {
+            None => (self.look.pop()?, None),
+            Some(laws) => {
+                let (seconds, ramp) = self.look.pop_with_ramp()?;
+                (seconds, laws.pop_front().map(|law| with_ramp(law, ramp)))
+            }
+        };
         let (count, during) = self.gaps.pop_front()?;
+        let timed = |more| TimedMove { count: count + during, more, law: Some(count.saturating_sub(1)).zip(law) };
         if self.look.is_empty() {
             self.stops = false;
         }
         for event in self.events.iter_mut().take(count + during) {
             event.t_ns += self.late;
         }
-        let Some(own) = self.events.get_mut(count.saturating_sub(1)) else { return Some((count + during, 0)) };
+        let Some(own) = self.events.get_mut(count.saturating_sub(1)) else { return Some(timed(0)) };
         let real = super::at::nanoseconds(seconds).max(own.dur_ns);
         let more = real - own.dur_ns;
         own.dur_ns = real;
         self.late = self.late.saturating_add(more);
-        Some((count + during, more))
+        Some(timed(more))
     }
 
     /// Places the events since the last move that take no time into the move, at this time, ns.

@@ -6,7 +6,7 @@ use super::at::nanoseconds;
 use super::channel_context::ChannelContext;
 use super::fixed_stops::FixedStops;
 use super::modal::group;
-use counterpoint_motion::driven_speed::DrivenSpeed;
+use counterpoint_motion::law::SpindleRotation;
 use counterpoint_motion::surface_speed::SurfaceSpeed;
 
 use counterpoint_event::info::MachineUnit;
@@ -48,28 +48,6 @@ pub struct AssumedSpeed {
     pub time: [i64; 2],
     /// Number of speed changes known then.
     pub changes: u64,
-}
-
-/// How the spindle turns during a motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SpindleRotation {
-    /// Steady rev/min.
-    Fixed(f64),
-    /// By this channel's own X.
-    Surface(SurfaceSpeed),
-    /// Driven by the move of another channel, which started this many minutes ago.
-    Driven(DrivenSpeed, f64),
-}
-
-impl SpindleRotation {
-    /// Speed in rev/min while the channel is at this radius.
-    pub fn rpm(&self, radius: f64) -> f64 {
-        match self {
-            Self::Fixed(rpm) => *rpm,
-            Self::Surface(surface) => surface.rpm(radius),
-            Self::Driven(driven, elapsed) => driven.rpm(*elapsed),
-        }
-    }
 }
 
 impl SpindleState {

@@ -9,6 +9,7 @@ use counterpoint_motion::lookahead::LookAheadMove;
 use super::ChannelMemory;
 use super::channel_axis::ChannelAxis;
 use super::channel_context::ChannelContext;
+use super::laws::take_law;
 use super::modal::group;
 use super::pace::{FeedMove, NOISE};
 use super::times::MoveTimes;
@@ -32,12 +33,13 @@ fn continuous(channel: &ChannelContext<'_>, seconds: f64, motion: &Motion) -> Op
 /// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly.
 #[inline(always)]
 pub fn emit_move(channel: &mut ChannelContext<'_>, ns: i64, motion: &Motion, stretch: &FeedMove) {
+    let law = take_law(&mut channel.state, channel.env.machine.time.rapid, motion);
     let ChannelContext { at, block, state: ChannelMemory { place, modal, times, spindle, .. }, emitter, .. } = channel;
     let exact = block.flags.exact_stop || modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
     let mut times = MoveTimes { record: times, command: &spindle.command };
     let axes = place.layout.axes.iter().enumerate();
     let jumps = axes.filter_map(|(at, axis)| Some((at, axis.dynamics.corner_speed?)));
-    emitter.emit_move((at, &mut times), (ns, motion), (stretch, exact), jumps);
+    emitter.emit_move((at, &mut times), (ns, motion), (stretch, exact, law), jumps);
 }
 
 /// A move as a piece of a path; none for a move without a path.

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use counterpoint_kernel::files::MemoryFiles;
 use counterpoint_kernel::job::Job;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{JobOptions, TimeModel};
+use counterpoint_kernel::options::{JobOptions, MoveTiming};
 use jobs::{job_with, lathe, machine, results};
 
 /// Runs of each kind.
@@ -46,7 +46,7 @@ fn many(channels: usize) -> Arc<Machine> {
 
 /// Times without accelerations, this many threads.
 fn threads(threads: u16) -> JobOptions {
-    JobOptions { threads, time: TimeModel::Simple, ..JobOptions::default() }
+    JobOptions { threads, timing: MoveTiming::SIMPLE, ..JobOptions::default() }
 }
 
 /// The fastest run of each job, taken in turns.

@@ -8,6 +8,7 @@ pub mod contour;
 pub mod direction;
 pub mod driven_speed;
 pub mod frame;
+pub mod law;
 pub mod lettering;
 pub mod lookahead;
 pub mod profile;

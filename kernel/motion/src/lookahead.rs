@@ -9,6 +9,8 @@
 
 use std::collections::VecDeque;
 
+use crate::law::SpeedRamp;
+
 /// One move. Lengths in geometry units, times in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookAheadMove {
@@ -157,13 +159,27 @@ impl LookAhead {
 
     /// Takes the first move off: its seconds. After the last one the path stands.
     pub fn pop(&mut self) -> Option<f64> {
+        self.take().map(|(seconds, ..)| seconds)
+    }
+
+    /// The same, with the speed along the move; `None` for a move with a jerk.
+    pub fn pop_with_ramp(&mut self) -> Option<(f64, Option<SpeedRamp>)> {
+        let entry = self.entry.sqrt();
+        let (seconds, piece, profile) = self.take()?;
+        let LookAheadMove { length, acceleration, jerk, .. } = piece;
+        let ramp = SpeedRamp { length, entry, top: profile.peak, exit: self.entry.sqrt(), acceleration };
+        Some((seconds, (!jerk.is_finite()).then_some(ramp)))
+    }
+
+    #[inline(always)]
+    fn take(&mut self) -> Option<(f64, LookAheadMove, Profile)> {
         let Planned { piece, .. } = self.pieces.pop_front()?;
         let exit = self.pieces.front().map_or(0.0, |next| next.entry);
         let exit = exit.min(self.entry + 2.0 * piece.acceleration * piece.length);
         let profile = Profile::new(&piece, self.entry, exit);
         let seconds = profile.seconds() + self.jerks(&piece, &profile, exit);
         self.entry = exit;
-        Some(seconds)
+        Some((seconds, piece, profile))
     }
 
     /// Seconds after the start of the only move at which it has to brake to stop at its end; none if braking takes no

@@ -44,9 +44,9 @@ pub struct JobOptions {
     /// Numbers of warnings and messages that are reported even if the machine switches them off.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings_on: Vec<u32>,
-    /// How moves at feed are timed.
-    #[serde(skip_serializing_if = "TimeModel::is_full")]
-    pub time: TimeModel,
+    /// How moves are timed.
+    #[serde(rename = "time", skip_serializing_if = "MoveTiming::is_usual")]
+    pub timing: MoveTiming,
     /// Limits.
     pub limits: JobLimits,
 }
@@ -62,11 +62,47 @@ pub enum TimeModel {
     Simple,
 }
 
-impl TimeModel {
+/// How moves are timed, and whether the log says how they go between their ends.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "TimingForm", into = "TimingForm")]
+pub struct MoveTiming {
+    /// How moves at feed are timed.
+    pub model: TimeModel,
+    /// The log has the law of each move.
+    pub law: bool,
+}
+
+impl MoveTiming {
+    /// Length by feed, without laws.
+    pub const SIMPLE: Self = Self { model: TimeModel::Simple, law: false };
+
     /// Whether it is the usual one.
     #[must_use]
-    pub fn is_full(&self) -> bool {
-        *self == Self::Full
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The stored form: a word, unless laws are recorded.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum TimingForm {
+    Model(TimeModel),
+    WithLaw { model: TimeModel, law: bool },
+}
+
+impl From<TimingForm> for MoveTiming {
+    fn from(form: TimingForm) -> Self {
+        match form {
+            TimingForm::Model(model) => Self { model, law: false },
+            TimingForm::WithLaw { model, law } => Self { model, law },
+        }
+    }
+}
+
+impl From<MoveTiming> for TimingForm {
+    fn from(MoveTiming { model, law }: MoveTiming) -> Self {
+        if law { Self::WithLaw { model, law } } else { Self::Model(model) }
     }
 }
 

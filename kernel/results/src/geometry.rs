@@ -174,6 +174,25 @@ impl ArcGeometry {
         }
     }
 
+    /// Position at a share (0 to 1) of the path, as programmed; axes beside the arc go evenly.
+    #[must_use]
+    pub fn position(self, motion: &Motion, axes: &[JobAxis], share: f64) -> Position {
+        let sweep = match self {
+            Self::Space(space) => return space.at(motion, share),
+            Self::Flat(sweep) => sweep,
+        };
+        let mut position = motion.from;
+        for (slot, to) in position.iter_mut().zip(&motion.to) {
+            *slot += (to - *slot) * share;
+        }
+        for (axis, value) in sweep.axes.into_iter().zip(sweep.at(share)) {
+            if let Some((slot, axis)) = position.get_mut(axis).zip(axes.get(axis)) {
+                *slot = value / scale(axis);
+            }
+        }
+        position
+    }
+
     /// Where an axis turns back on its way along the circle, as programmed and in order; nothing for axes beside it.
     pub fn reversals(self, axes: &[JobAxis], axis: usize) -> impl Iterator<Item = f64> + use<> {
         let unit = axes.get(axis).map_or(1.0, scale);

@@ -112,9 +112,38 @@ pub struct ChannelSummary {
     pub misc_ns: i64,
     /// Waiting at sync points, ns.
     pub wait_ns: i64,
+    /// Its axes, in the order of the channel.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisSummary>,
     /// Its tools, in the order of the tooling tables; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tools: Vec<ToolSummary>,
+}
+
+/// An axis of a channel in the summary.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AxisSummary {
+    /// Name.
+    pub name: String,
+    /// `true`: degrees; `false`: lengths.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rotary: bool,
+    /// Values are diameters.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub diameter: bool,
+}
+
+impl AxisSummary {
+    /// Of an axis of the job.
+    fn new(info::JobAxis { name, rotary, diameter }: &info::JobAxis) -> Self {
+        Self { name: name.clone(), rotary: *rotary, diameter: *diameter }
+    }
+
+    /// The axis as results need it.
+    #[must_use]
+    pub fn job_axis(&self) -> info::JobAxis {
+        info::JobAxis { name: self.name.clone(), rotary: self.rotary, diameter: self.diameter }
+    }
 }
 
 /// The verdict in the summary.
@@ -204,6 +233,7 @@ impl ChannelSummary {
             rapid_ns: tally.rapid_ns,
             misc_ns: tally.misc_ns,
             wait_ns: tally.wait_ns,
+            axes: channel.axes.iter().map(AxisSummary::new).collect(),
             tools: Vec::new(),
         }
     }

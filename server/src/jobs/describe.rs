@@ -153,7 +153,7 @@ pub(crate) fn options(record: &JobRecord, work: &JobWork) -> v1::JobOptions {
         races,
         warnings_off,
         warnings_on,
-        time,
+        timing,
         limits,
     } = work.options.clone();
     // Early rows have the limits that count instead of those that were requested.
@@ -195,13 +195,14 @@ pub(crate) fn options(record: &JobRecord, work: &JobWork) -> v1::JobOptions {
         attended,
         stepped,
         lint,
+        law: timing.law,
         parameters,
         races: match races {
             RacePolicy::Off => v1::RaceCheck::Unspecified,
             RacePolicy::Warn => v1::RaceCheck::Warn,
             RacePolicy::Alarm => v1::RaceCheck::Alarm,
         } as i32,
-        time: match time {
+        time: match timing.model {
             TimeModel::Full => v1::TimeModel::Unspecified,
             TimeModel::Simple => v1::TimeModel::Simple,
         } as i32,

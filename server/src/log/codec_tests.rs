@@ -7,6 +7,11 @@ use counterpoint_kernel::log::digest::{self, Digest};
 use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Info, JobAxis, JobChannel, JobFile, MachineUnit, ResultBudget};
 use counterpoint_kernel::log::jsonl;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::driven_speed::{DrivenSpeed, RadiusProgress};
+use counterpoint_motion::law::{FeedSchedule, PathLaw, SpeedRamp, SpindleRotation};
+use counterpoint_motion::surface_speed::SurfaceSpeed;
+use counterpoint_motion::thread::Lead;
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -14,6 +19,28 @@ use super::{decode, encode};
 
 fn release(key: &str, primitive: Primitive, since_ns: i64, meeting: u64, mark: &str, by: u16) -> Kind {
     Kind::Release(Release { key: key.into(), primitive, since_ns, meeting, mark: mark.into(), by })
+}
+
+const SURFACE: SurfaceSpeed = SurfaceSpeed { surface: 180_000.0, max: f64::INFINITY, min: 20.0 };
+const RAMP: SpeedRamp = SpeedRamp { length: 12.5, entry: 3.0, top: 50.0, exit: 0.0, acceleration: f64::INFINITY };
+
+fn law(schedule: FeedSchedule, ramp: Option<SpeedRamp>) -> Kind {
+    Kind::Law(MotionLaw::Path(PathLaw { ramp, schedule }))
+}
+
+fn turning(spindle: SpindleRotation) -> Kind {
+    let lead = Lead { start: 0.2, change: -0.001 };
+    law(FeedSchedule::Turning { lead, way: 33.0, radii: [25.0, -1.0], spindle }, Some(RAMP))
+}
+
+fn driven(progress: RadiusProgress) -> DrivenSpeed {
+    DrivenSpeed { speed: SURFACE, radii: [20.0, 4.0], minutes: 0.75, progress }
+}
+
+fn surface_arc(radial: usize) -> Kind {
+    // The centre along the part is not needed, so it reads as the radial one.
+    let arc = PlaneArc { center: [7.0; 2], radius: 3.0, start_angle: 0.5, sweep: -1.25 };
+    law(FeedSchedule::SurfaceArc { arc, radial, speed: SURFACE }, None)
 }
 
 fn kinds() -> Vec<Kind> {
@@ -167,6 +194,16 @@ fn kinds() -> Vec<Kind> {
         Kind::listing(Listing::Off),
         Kind::listing(Listing::Lines(3)),
         Kind::listing(Listing::Block("G1 X2".into())),
+        Kind::Law(MotionLaw::Unknown(UnknownLaw::Jerk)),
+        Kind::Law(MotionLaw::Axes(AxesLaw { arrives: from, ramps: [0.5; MAX_AXES] })),
+        law(FeedSchedule::Steady, None),
+        law(FeedSchedule::Steady, Some(RAMP)),
+        turning(SpindleRotation::Fixed(900.0)),
+        turning(SpindleRotation::Surface(SURFACE)),
+        turning(SpindleRotation::Driven(driven(RadiusProgress::ByTime), 0.125)),
+        turning(SpindleRotation::Driven(driven(RadiusProgress::ByRevolution), 0.0)),
+        surface_arc(0),
+        surface_arc(1),
         Kind::ToolData(Box::default()),
         Kind::ToolData(Box::new(ToolData { tool: 1, length: Some(-0.5), ..ToolData::default() })),
         Kind::Diagnostic(Box::default()),

@@ -9,7 +9,7 @@ use counterpoint_kernel::diag;
 use counterpoint_kernel::dialog::answers::{DialogAnswer, DialogValue};
 use counterpoint_kernel::job::ProgramSelection;
 use counterpoint_kernel::machine::similar;
-use counterpoint_kernel::options::{JobLimits, JobOptions, RacePolicy, TimeModel};
+use counterpoint_kernel::options::{JobLimits, JobOptions, MoveTiming, RacePolicy, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -280,10 +280,13 @@ fn options(options: v1::JobOptions) -> Result<JobOptions, Refusal> {
             Ok(v1::RaceCheck::Alarm) => RacePolicy::Alarm,
             Err(_) => return Err(Refusal::field("options.races", "is not a value of RaceCheck")),
         },
-        time: match v1::TimeModel::try_from(options.time) {
-            Ok(v1::TimeModel::Unspecified) => TimeModel::Full,
-            Ok(v1::TimeModel::Simple) => TimeModel::Simple,
-            Err(_) => return Err(Refusal::field("options.time", "is not a value of TimeModel")),
+        timing: MoveTiming {
+            model: match v1::TimeModel::try_from(options.time) {
+                Ok(v1::TimeModel::Unspecified) => TimeModel::Full,
+                Ok(v1::TimeModel::Simple) => TimeModel::Simple,
+                Err(_) => return Err(Refusal::field("options.time", "is not a value of TimeModel")),
+            },
+            law: options.law,
         },
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         warnings_off,

@@ -32,6 +32,7 @@ fn everything() -> v1::JobOptions {
         attended: false,
         stepped: false,
         lint: false,
+        law: true,
         parameters: "-SHIFT=2".into(),
         time: v1::TimeModel::Simple as i32,
         races: v1::RaceCheck::Warn as i32,

@@ -20,9 +20,11 @@ use counterpoint_program::block::PendingCode;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::time::{TimedPath, note_turning};
 use counterpoint_channel::alarm_effect::NOT_DONE;
-use counterpoint_channel::spindle::{SpindleRotation, stopped};
+use counterpoint_channel::spindle::stopped;
 use counterpoint_channel::thread::Screw;
+use counterpoint_motion::law::SpindleRotation;
 
 /// Rates with a smaller difference are equal: a rapid move has exactly the rate.
 pub(crate) const EVEN: f64 = 1.0 + 1e-6;
@@ -235,11 +237,14 @@ impl ActionContext<'_, '_> {
             ),
         };
         let lead = Lead { start: screw.lead, change: screw.change };
+        let path = TimedPath { from: &from, to: target, length: way, arc: None };
         if let Some(minutes) = minutes(lead) {
+            note_turning(self, &path, lead, turning);
             self.assume_speed(minutes * 60.0);
             return Ok(minutes * 60.0);
         }
         let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
+        note_turning(self, &path, Lead { change: 0.0, ..lead }, turning);
         let text = format!(
             "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
             self.channel().block_text()

@@ -4,7 +4,7 @@
 //! the clock is set only between blocks or at rest, never while an action measures time with it. Facts and decisions:
 //! docs/emulation.md, "Time".
 
-use counterpoint_event::event::{Event, Kind, Motion};
+use counterpoint_event::event::{Event, Kind, Motion, MotionLaw};
 use counterpoint_sync::backlog::blank;
 use counterpoint_sync::tag::Tag;
 
@@ -61,13 +61,14 @@ impl Emitter<'_> {
     }
 
     /// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly;
-    /// `jumps`: the change of speed that an axis may make at a corner; `exact`: the path stops after the move.
+    /// `jumps`: the change of speed that an axis may make at a corner; `exact`: the path stops after the move;
+    /// `law`: its law without the ramp, if the job records laws.
     #[inline(always)]
     pub fn emit_move(
         &mut self,
         (at, times): (&ExecutionPoint, &mut MoveTimes<'_>),
         (ns, motion): (i64, &Motion),
-        (stretch, exact): (&FeedMove, bool),
+        (stretch, exact, law): (&FeedMove, bool, Option<MotionLaw>),
         jumps: impl Iterator<Item = (usize, f64)>,
     ) {
         if self.pace.as_ref().is_some_and(|pace| pace.stops) {
@@ -77,6 +78,7 @@ impl Emitter<'_> {
         let kind = Kind::Motion(*motion);
         let Some(pace) = &mut self.pace else { return };
         pace.add(Event { t_ns: clock, micro, dur_ns: ns, channel, file, line, caller, kind });
+        law.into_iter().for_each(|law| pace.keep_law(law));
         pace.push(stretch, jumps);
         if exact {
             pace.stop();
@@ -90,40 +92,52 @@ impl Emitter<'_> {
     /// Times the moves that can be timed, and releases their events.
     #[inline(never)]
     fn time_moves(&mut self, times: &mut MoveTimes<'_>) {
-        while let Some((count, more)) = self.pace.as_mut().filter(|pace| pace.is_due()).and_then(|pace| pace.pop()) {
-            self.let_out(count);
-            times.extend(more);
+        while let Some(timed) = self.pace.as_mut().filter(|pace| pace.is_due()).and_then(|pace| pace.pop()) {
+            self.let_out(timed.count, timed.law);
+            times.extend(timed.more);
         }
     }
 
     /// Time at which the path must brake to stop after its known moves, ns; `None` if it stops in any case.
     pub fn brakes_at(&mut self, times: &mut MoveTimes<'_>) -> Option<i64> {
         while self.pace.as_ref().is_some_and(|pace| pace.has_earlier() && !pace.stops) {
-            let (count, more) = self.pace.as_mut()?.pop()?;
-            self.let_out(count);
-            times.extend(more);
+            let timed = self.pace.as_mut()?.pop()?;
+            self.let_out(timed.count, timed.law);
+            times.extend(timed.more);
         }
         self.pace.as_ref()?.brakes_at()
     }
 
-    /// Releases this many timed events.
-    fn let_out(&mut self, count: usize) {
+    /// Releases this many timed events; the law of one of them follows it.
+    fn let_out(&mut self, count: usize, law: Option<(usize, MotionLaw)>) {
         let Some(mut pace) = self.pace.take() else { return };
         self.holds_back(None);
-        for event in pace.events.drain(..count.min(pace.events.len())) {
-            let slot = match self.slot() {
-                Some(slot) => Some(slot),
-                None => {
-                    self.flush(Tag { t: event.t_ns, micro: event.micro, channel: event.channel });
-                    self.slot()
+        for (place, event) in pace.events.drain(..count.min(pace.events.len())).enumerate() {
+            match law {
+                Some((of, law)) if of == place => {
+                    let head = Event { kind: Kind::Law(law), ..event };
+                    self.let_one_out(event);
+                    self.let_one_out(head);
                 }
-            };
-            if let Some(slot) = slot {
-                *slot = event;
+                _ => self.let_one_out(event),
             }
         }
         self.pace = Some(pace);
         self.hold_back();
+    }
+
+    #[inline(always)]
+    fn let_one_out(&mut self, event: Event) {
+        let slot = match self.slot() {
+            Some(slot) => Some(slot),
+            None => {
+                self.flush(Tag { t: event.t_ns, micro: event.micro, channel: event.channel });
+                self.slot()
+            }
+        };
+        if let Some(slot) = slot {
+            *slot = event;
+        }
     }
 
     /// Takes events only if none are held back.
@@ -158,7 +172,7 @@ impl Emitter<'_> {
         let Some(pace) = &mut self.pace else { return 0 };
         pace.shift();
         let (late, count) = (std::mem::take(&mut pace.late), pace.events.len());
-        self.let_out(count);
+        self.let_out(count, None);
         if late == 0 {
             return 0;
         }

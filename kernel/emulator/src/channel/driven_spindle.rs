@@ -15,7 +15,7 @@ use counterpoint_sync::tag::Tag;
 use super::Kernel;
 use counterpoint_channel::at::nanoseconds;
 use counterpoint_channel::shared_target::SharedTarget;
-use counterpoint_channel::spindle::SpindleRotation;
+use counterpoint_motion::law::SpindleRotation;
 
 /// Changes of the speed by less than this share do not count.
 const STEADY: f64 = 0.01;

@@ -98,6 +98,7 @@ impl<'a> Kernel<'a> {
         let machine = env.machine;
         let mut state = ChannelMemory::new(machine, channel);
         state.times.record_motions(plan.hooks.is_some());
+        state.law = env.options.timing.law.then(Box::default);
         Self {
             channel: ChannelContext {
                 env,

@@ -6,6 +6,7 @@
 use counterpoint_channel::arc::LastMove;
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::code_time::end_before_feed;
+use counterpoint_channel::laws::log_law;
 use counterpoint_channel::stretch::{emit_move, paced};
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
@@ -112,6 +113,7 @@ impl Kernel<'_> {
                 Kind::Motion(place) => *place = *motion,
                 other => *other = Kind::Motion(*motion),
             });
+            log_law(&mut self.channel, ns, motion);
             self.channel.advance(ns);
         }
         self.check_travel(motion);

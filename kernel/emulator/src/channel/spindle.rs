@@ -7,12 +7,12 @@
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::code_time::runs_beside;
 use counterpoint_channel::shared_target::SharedTarget;
-use counterpoint_channel::spindle::SpindleRotation;
 use counterpoint_event::event::SpindleChange as SpindleEvent;
 use counterpoint_event::event::{Kind, SpindleDirection};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::SpindleId;
+use counterpoint_motion::law::SpindleRotation;
 use counterpoint_sync::races::AccessMode;
 use counterpoint_sync::shared::SpindleCommand;
 

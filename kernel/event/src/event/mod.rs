@@ -14,6 +14,7 @@ mod dwell;
 pub mod fields;
 mod frame;
 mod function;
+mod law;
 mod lifecycle;
 mod message;
 mod mode;
@@ -35,6 +36,7 @@ pub use diagnostic::{Diagnostic, DiagnosticOrigin, RaceWith, Unrecognised};
 pub use dwell::Dwell;
 pub use frame::FrameShift;
 pub use function::TimedFunction;
+pub use law::{AxesLaw, LawArc, LawDriver, LawForm, LawRamp, LawSurface, LawTurning, MotionLaw, UnknownLaw};
 pub use lifecycle::Phase;
 pub use message::OperatorMessage;
 pub use mode::{CarriedMove, ModalChange, OffsetKind, OffsetSelection};
@@ -115,6 +117,8 @@ declare::kinds! {
         28 "trace" Trace(Trace),
         /// The data of a tool have changed.
         29 "tool_data" ToolData(Box<ToolData>),
+        /// The law of the motion before it, if the job records laws.
+        30 "law" Law(MotionLaw),
     }
 }
 

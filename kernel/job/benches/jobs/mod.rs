@@ -12,7 +12,7 @@ use counterpoint_kernel::log::builder::{JobResults, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::summary::JobOutcome;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::{JobOptions, TimeModel};
+use counterpoint_kernel::options::{JobOptions, MoveTiming};
 
 pub(crate) struct Count(pub(crate) u64);
 
@@ -52,7 +52,7 @@ pub(crate) fn machine(name: &str) -> Arc<Machine> {
 
 /// A job with times without accelerations.
 pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, MemoryFiles) {
-    job_with(machine, texts, JobOptions { time: TimeModel::Simple, ..JobOptions::default() })
+    job_with(machine, texts, JobOptions { timing: MoveTiming::SIMPLE, ..JobOptions::default() })
 }
 
 /// A job with options of its own.

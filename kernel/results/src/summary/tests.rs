@@ -43,9 +43,11 @@ fn the_json_is_the_documented_one() {
             r#""coordinates":{"text":"no G20/G21: coordinates read in mm, the unit in which machine lathe2 begins","#,
             r#""channels":[{"channel":1,"selected":false,"units":[{"unit":"mm","file":"","line":0}]}]},"channels":["#,
             r#"{"channel":1,"name":"UPPER","program":"jobs/p1.nc","state":"ENDED","blocks":1,"end_ns":3000000000,"#,
-            r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0},"#,
+            r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0,"#,
+            r#""axes":[{"name":"X","diameter":true},{"name":"Z"},{"name":"C","rotary":true}]},"#,
             r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"NOT_STARTED","blocks":0,"end_ns":0,"#,
-            r#""feed_ns":0,"rapid_ns":0,"misc_ns":0,"wait_ns":0}],"waits":[],"verdict":null,"diagnostics":["#,
+            r#""feed_ns":0,"rapid_ns":0,"misc_ns":0,"wait_ns":0,"#,
+            r#""axes":[{"name":"X","diameter":true},{"name":"Z"}]}],"waits":[],"verdict":null,"diagnostics":["#,
             r#"{"number":2001005,"name":"text-not-recognised","severity":4,"channel":1,"file":"jobs/p1.nc","line":1,"block":"G1 X10.","#,
             r#""text":"no \"Q\"","t_ns":3000000000}]}"#
         )
