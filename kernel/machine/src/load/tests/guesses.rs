@@ -61,6 +61,8 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("0 BEGIN PGM PART MM\n1 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\n", "heidenhain-mill-5axis"),
     ("O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. F100.\n", "fanuc-mill-5axis"),
     ("O500\nG90 G54 G0 B0\nT1 M6\nG43 H1 Z100.\nX0 Y0\nG55 B90.\n", "fanuc-horizontal"),
+    ("$P.MIN%\nG15 H1\nG0 B90.\nT1 M6\nG56 H1 Z100.\nX0 Y0\n", "okuma-horizontal"),
+    ("T1 T2 M6\nG0 G54 B90.\nG43 H1 Z100.\nX0 Y0\nM60\n", "mazak-horizontal"),
     ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90.\nG1 Y2. F100.\n", "fanuc-mill-4axis"),
     ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90.\nG154 P2 Y2.\n", "haas-mill-4axis"),
     ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90. C30.\nG1 Y2. F100.\n", "fanuc-mill-5axis"),
@@ -72,6 +74,8 @@ const PROGRAMS: &[(&str, &str)] = &[
         "okuma-lathe",
     ),
     ("NLAP1 G81\n", "okuma-lathe"),
+    ("$P.MIN%\nG50 S2500\nT010101\nG141\nM249\nG22 W-100 D10 F100\nM248\nM02\n", "okuma-lathe-subspindle"),
+    ("O1\nG92 S3000\nG96 S180 M203\nG0 X52. Z2.\nM511\nM306\nM307\nM513\nM30\n", "mazak-integrex"),
     ("G15 H1\nT1 M6\n", "okuma-mill"),
     ("O1\nG13\nM110\nG14 (B)\nO2\n", "okuma-2turret"),
     ("O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system"),
@@ -265,8 +269,8 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("a.arc", "%_N_A_MPF\nT1 M6\nWAITM(1,1,2)\n%_N_B_MPF\nWAITM(1,1,2)\n")], "show milling");
     refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "M30\n"), ("c.mpf", "M30\n")], "3 channels");
     refused(&[("a.mpf", "T1 M6\nWAITM(1,1,2)\n"), ("b.mpf", "M30\n")], "show milling");
-    refused(&[("p.MIN", "G0 X50\n")], "okuma-lathe and okuma-mill are shipped");
-    refused(&[("p.MIN", "G90 G95 G0 X50\n")], "okuma-lathe and okuma-mill are shipped");
+    refused(&[("p.MIN", "G0 X50\n")], "okuma-lathe-subspindle and okuma-mill are shipped");
+    refused(&[("p.MIN", "G90 G95 G0 X50\n")], "okuma-lathe-subspindle and okuma-mill are shipped");
     refused(&[("a.MIN", "T1 M6\n"), ("b.MIN", "G0 Y2\n")], "show milling");
     refused(&[("a.MIN", "G13\n"), ("b.MIN", "G14\n"), ("c.MIN", "G50 S99\n")], "3 channels");
     refused(&[("p.nc", "$1\nM30\n$2\nM30\n$4\nM30\n")], "a control with more than three systems");
@@ -329,6 +333,12 @@ fn lathes_with_two_spindles_show_it_by_words_of_their_own() {
     for (upper, lower, expected) in [
         ("O1\nT0101\nM427\nM101\nM30\n", "O2\nT0202\nM428\nM101\nM30\n", "fanuc-twin-spindle"),
         ("O1\nG361 B90. D0.\nM101\nM30\n", "O2\nT0202\nG330\nM101\nM30\n", "fanuc-twin-head"),
+        (
+            "O1\nG50 S900\nG300 Z1. T0100\nG0 X5. Z2.\nM500\nM30\n",
+            "O2\nG310 Z175. T2100\nM500\nM30\n",
+            "fanuc-swiss-hanwha",
+        ),
+        ("O1\nG50 S900\nM201\nM30\n", "O2\nT2900\nM82\nM201\nM30\n", "fanuc-swiss-goodway"),
         ("O1\nT0101\nM101\nM30\n", "O2\nT0202\nM101\nM30\n", "fanuc-2path-lathe"),
         ("O1\nG4 X1.\nM101\nM30\n", "O2\nG4 X4.\nM101\nM30\n", "fanuc-2path-lathe"),
     ] {

@@ -28,7 +28,9 @@ fn all_machines_load_without_a_finding() {
     assert_eq!(
         package::shipped_names(),
         [
+            "biglia-b",
             "citizen-3system",
+            "citizen-k16",
             "composite-millturn",
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
@@ -57,10 +59,12 @@ fn all_machines_load_without_a_finding() {
             "linuxcnc-mill",
             "mazak-eia-lathe",
             "mazak-eia-mill",
+            "mazak-horizontal",
             "mazak-integrex",
             "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
+            "okuma-horizontal",
             "okuma-lathe",
             "okuma-lathe-subspindle",
             "okuma-mill",
