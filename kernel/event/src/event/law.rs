@@ -1,8 +1,8 @@
-//! The law of a motion: where it is at each instant between its ends.
+//! The law of a motion: its position at each instant between its ends.
 //!
-//! A law follows its motion in the stream of the channel, with the same start and duration. Jobs record laws on request.
-//! Laws add nothing to the fingerprint of a log, which is the same with and without them. *Invariant:* a law needs no
-//! data of the machine; its planned time counts as scaled to the duration of the motion.
+//! A law follows its motion in the stream of the channel, with the same start and duration. Jobs record laws on
+//! request. The fingerprint of a log is the same with or without laws. *Invariant:* a law needs no data of the machine;
+//! its planned time is scaled to the duration of the motion.
 
 use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::driven_speed::{DrivenSpeed, RadiusProgress};
@@ -17,9 +17,9 @@ use super::{MAX_AXES, Position};
 words! {
     /// The form of a law.
     pub enum LawForm {
-        /// Each axis goes at its own rate and holds when it has arrived.
+        /// Each axis moves at its own rate and holds its position after its arrival.
         Axes = 1 "axes",
-        /// All axes together along the path.
+        /// All axes move together along the path.
         Path = 2 "path",
         /// Only the ends are known.
         Unknown = 3 "unknown",
@@ -27,38 +27,38 @@ words! {
 }
 
 words! {
-    /// Why the places between the ends of a motion are not known.
+    /// Why the positions between the ends of a motion are not known.
     pub enum UnknownLaw {
-        /// Its acceleration changes gradually.
+        /// The acceleration changes gradually.
         Jerk = 1 "jerk",
-        /// It has no usable feed and is timed as rapid.
+        /// The motion has no usable feed and is timed as rapid.
         WithoutFeed = 2 "without_feed",
-        /// Polar or cylindrical interpolation moves its axes.
+        /// Polar or cylindrical interpolation moves the axes.
         Polar = 3 "polar",
         /// Rotary axes move under tool centre point control.
         ToolTip = 4 "tool_tip",
-        /// Its axes are not those of the machine: the frame is rotated.
+        /// The frame is rotated, so the axes of the motion are not those of the machine.
         Frame = 5 "frame",
     }
 }
 
-/// How a motion goes between its ends.
+/// The progress of a motion between its ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MotionLaw {
-    /// Each axis goes at its own rate.
+    /// Each axis moves at its own rate.
     Axes(AxesLaw),
-    /// All axes together along the path.
+    /// All axes move together along the path.
     Path(PathLaw),
     /// Only the ends are known.
     Unknown(UnknownLaw),
 }
 
-/// Axes that go at their own rates, by axis of the channel.
+/// Axes that move at their own rates, by axis of the channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxesLaw {
-    /// Seconds until the axis has arrived; 0: it does not move.
+    /// Seconds until the arrival of the axis; 0: the axis does not move.
     pub arrives: Position,
-    /// Seconds of each of its two changes of speed.
+    /// Seconds of its acceleration and of its deceleration.
     pub ramps: Position,
 }
 
@@ -80,7 +80,7 @@ impl AxesLaw {
 }
 
 record! {
-    /// The speed along a path whose changes of speed take time. Geometry units, seconds.
+    /// The speed along a path with limited acceleration. Geometry units, seconds.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct LawRamp {
         /// Speed at the start.
@@ -89,7 +89,7 @@ record! {
         pub top: f64 = 2,
         /// Speed at the end.
         pub exit: f64 = 3,
-        /// Acceleration of both changes; infinite: they take no time.
+        /// Acceleration and deceleration; infinite: speeds change at once.
         pub acceleration: f64 = 4,
         /// Length of the path.
         pub length: f64 = 5,
@@ -102,49 +102,49 @@ record! {
     pub struct LawSurface {
         /// Length units per minute.
         pub speed: f64 = 1,
-        /// Largest rev/min; infinite without a limit.
+        /// Highest rev/min; infinite without a limit.
         pub max: f64 = 2,
-        /// Smallest rev/min.
+        /// Lowest rev/min.
         pub min: f64 = 3,
     }
 }
 
 record! {
-    /// A move of another channel that drives the spindle by its radius.
+    /// A move of another channel whose radius determines the spindle speed.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct LawDriver {
-        /// Minutes of that move.
+        /// Duration of that move, minutes.
         pub minutes: f64 = 1,
-        /// Minutes from its start to the start of this motion.
+        /// Minutes from the start of that move to the start of this motion.
         pub elapsed: f64 = 2,
-        /// Radius at its start.
+        /// Radius at the start of that move.
         pub start_radius: f64 = 3,
-        /// Radius at its end.
+        /// Radius at the end of that move.
         pub end_radius: f64 = 4,
-        /// Its radius changes with revolutions, otherwise with time.
+        /// The radius changes with revolutions; otherwise with time.
         pub by_revolution: bool = 5,
     }
 }
 
 record! {
-    /// A feed by revolutions of a spindle, along a path during which the radius changes evenly.
+    /// A feed by revolutions of a spindle, along a path on which the radius changes evenly.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct LawTurning {
         /// Feed per revolution, or the lead of a thread at its start.
         pub lead: f64 = 1,
         /// Change of the lead with each revolution.
         pub lead_change: f64 = 2,
-        /// Length that the lead counts along.
+        /// Length along which the lead is measured.
         pub way: f64 = 3,
         /// Radius of the part at the start.
         pub start_radius: f64 = 4,
         /// Radius of the part at the end.
         pub end_radius: f64 = 5,
-        /// Steady rev/min; 0: the spindle follows a surface speed.
+        /// Constant rev/min; 0: the spindle follows a surface speed.
         pub rpm: f64 = 6,
         /// The surface speed.
         pub surface: Option<LawSurface> = 7 [optional],
-        /// The move that drives the spindle; none: this motion does.
+        /// The move that drives the spindle; `None`: this motion drives it.
         pub driver: Option<LawDriver> = 8 [optional],
     }
 }
@@ -157,11 +157,11 @@ record! {
         pub center: f64 = 1,
         /// Radius of the arc.
         pub radius: f64 = 2,
-        /// Angle at its start, radians.
+        /// Angle at the start of the arc, radians.
         pub start: f64 = 3,
-        /// Angle that it sweeps, radians; negative: clockwise.
+        /// Sweep angle of the arc, radians; negative: clockwise.
         pub sweep: f64 = 4,
-        /// The radial axis of its plane: 0 the first, 1 the second.
+        /// The radial axis of the plane: 0 the first, 1 the second.
         pub radial: u8 = 5,
         /// The surface speed.
         pub surface: Option<LawSurface> = 6 [optional],

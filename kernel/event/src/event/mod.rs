@@ -117,7 +117,7 @@ declare::kinds! {
         28 "trace" Trace(Trace),
         /// The data of a tool have changed.
         29 "tool_data" ToolData(Box<ToolData>),
-        /// The law of the motion before it, if the job records laws.
+        /// The law of the preceding motion, if the job records laws.
         30 "law" Law(MotionLaw),
     }
 }
