@@ -1,4 +1,4 @@
-//! The law of motion: every motion has one, it keeps the limits of its machine, and recording it changes nothing else.
+//! The law of motion: every motion has a law, laws keep the limits of the machine, and recording changes nothing else.
 //!
 //! Positions are compared with the limits by differences of positions alone: speeds and accelerations of the axes come
 //! from the machine definition, feeds from the program.
@@ -13,10 +13,10 @@ use counterpoint_tests::{Done, Work, cases, machine};
 /// Samples along a motion.
 const STEPS: u32 = 60;
 
-/// A time in which no speed changes much, seconds.
+/// A time in which speeds change only slightly, seconds.
 const INSTANT: f64 = 1e-7;
 
-/// Time that every machine of the test has in common.
+/// Times that all machines of the test have in common.
 const TIMES: &str = "[time]\nlook_ahead = 12\ncorner_deviation = 0.05\n";
 
 const MILL: &str = "
@@ -39,7 +39,7 @@ fn options(law: bool, threads: u16, model: TimeModel) -> JobOptions {
     JobOptions { limits, threads, timing: MoveTiming { model, law }, ..JobOptions::default() }
 }
 
-/// A program of a mill: rapids, lines and arcs with feeds per minute, per revolution and by inverse time.
+/// A milling program: rapids, lines and arcs with feed per minute, per revolution and in inverse time.
 fn mill(random: &mut fastrand::Rng) -> String {
     let mut text = String::from("O1\nG90 G17 G94 G64 F800\nM3 S1200\nG0 X0 Y0 Z5.\nG1 Z0\n");
     for _ in 0..40 {
@@ -61,7 +61,7 @@ fn mill(random: &mut fastrand::Rng) -> String {
     text
 }
 
-/// A program of a lathe: facing and turning under constant surface speed, arcs, threads.
+/// A turning program: facing and turning under constant surface speed, arcs, threads.
 fn lathe(random: &mut fastrand::Rng) -> String {
     let mut text = String::from("O1\nG28 U0 W0\nT0101\nG50 S2500\nG96 S180 M3\nG99 G0 X60. Z5.\n");
     for _ in 0..30 {
@@ -155,7 +155,7 @@ fn check(done: &Done, machine: &Machine, channel: u16, text: &str) -> usize {
                 assert!(fastest <= rate * slack, "{axis} at {fastest} of {rate}: {event:?} {law:?}\n{text}");
                 let steepest = speeds.windows(2).map(|pair| (pair[1] - pair[0]).abs() / step).fold(0.0, f64::max);
                 assert!(steepest <= acceleration * slack + 1e-3, "{axis}: {steepest} {event:?} {law:?}\n{text}");
-                // From standstill to standstill: half a step at the acceleration at most.
+                // The move starts at standstill, so the acceleration limits the speed in the first step.
                 let first = speeds.first().copied().unwrap_or(0.0).abs();
                 assert!(first <= acceleration * step * slack, "{axis}: {first} {event:?} {law:?}\n{text}");
             }
@@ -168,7 +168,7 @@ fn check(done: &Done, machine: &Machine, channel: u16, text: &str) -> usize {
     unknown
 }
 
-/// Where a path at feed goes on, its speed does not jump: the end of a move is as fast as the start of the next.
+/// Where a path continues at feed, its speed does not jump: a move starts at the speed at which the previous one ends.
 fn check_joints(done: &Done, channel: u16, text: &str) -> usize {
     let mut joints = 0;
     let laws = laws(done, channel);
@@ -216,8 +216,8 @@ fn laws_change_neither_the_other_events_nor_the_fingerprint() {
     }
 }
 
-/// Facing from diameter 60 to 20 at G96 S200 and 0.2 mm/rev: 20 mm of radius in ∫ 2πr dr / (v·f) = 1.2566 s ... by hand:
-/// (30² − 10²)·π / (200,000·0.2) min = 0.062832 min = 3.769911 s; at half of that time the radius is √500.
+/// Facing from diameter 60 to 20 at G96 S200 and 0.2 mm/rev, calculated by hand. The time is ∫ 2πr dr / (v·f) =
+/// (30² − 10²)·π / (200,000·0.2) min = 0.062832 min = 3.769911 s. At half of that time the radius is √500.
 #[test]
 fn facing_by_hand() {
     let text = "O1\nT0101\nG50 S5000\nG96 S200 M3\nG99 G0 X60. Z0\nG1 X20. F0.2\nM30\n";

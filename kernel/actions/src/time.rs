@@ -37,14 +37,14 @@ pub(crate) struct TimedPath<'a> {
     pub(crate) arc: Option<(&'a PlaneArc, Option<usize>)>,
 }
 
-/// Seconds of a feed move that is timed as rapid.
+/// Seconds of a feed move that is timed as a rapid move.
 #[cold]
 fn seconds_as_rapid(act: &mut ActionContext<'_, '_>, path: &TimedPath<'_>) -> f64 {
     note_law(act.channel_mut(), |law| law.unknown = Some(UnknownLaw::WithoutFeed));
     act.rapid_seconds(path.from, path.to)
 }
 
-/// Notes for the law of the next move that its feed follows a spindle.
+/// Notes that the feed of the next move follows a spindle, for the law of the move.
 #[cold]
 #[inline(never)]
 pub(crate) fn note_turning(

@@ -1,7 +1,7 @@
-//! The law of the move that the channel makes next, as far as its feed determines it.
+//! The law of the next move of a channel, as far as the feed determines the law.
 //!
-//! The action that times a move notes how its feed passes; the kernel takes the note when it makes the move. *Invariant:*
-//! a job that records no laws has no draft, and pays one test for each move.
+//! The action that times a move notes the progress of the feed; the kernel takes the note when it makes the move.
+//! *Invariant:* a job that records no laws has no draft, and pays one test for each move.
 
 use counterpoint_event::event::{AxesLaw, Kind, Motion, MotionKind, MotionLaw, UnknownLaw};
 use counterpoint_machine::model::RapidPath;
@@ -12,14 +12,14 @@ use crate::channel_axis::ChannelAxis;
 use crate::channel_context::ChannelContext;
 use crate::position::MotionState;
 
-/// How the feed of the next move passes.
+/// The progress of the feed in the next move.
 #[derive(Debug)]
 pub struct LawDraft {
-    /// How the path is covered.
+    /// Progress along the path.
     pub schedule: FeedSchedule,
-    /// Speed changes at both ends, where they are not planned ahead.
+    /// Acceleration and deceleration at the ends, if the look-ahead does not plan them.
     pub ramp: Option<SpeedRamp>,
-    /// Why the places between the ends are not known.
+    /// Why the positions between the ends are not known.
     pub unknown: Option<UnknownLaw>,
 }
 
@@ -29,7 +29,7 @@ impl Default for LawDraft {
     }
 }
 
-/// Notes how the feed of the next move passes.
+/// Notes the progress of the feed in the next move.
 #[inline(always)]
 pub fn note_law(channel: &mut ChannelContext<'_>, note: impl FnOnce(&mut LawDraft)) {
     if let Some(draft) = &mut channel.state.law {

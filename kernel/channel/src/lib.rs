@@ -106,7 +106,7 @@ pub struct ChannelMemory {
     pub threads: Box<thread::ThreadingState>,
     /// Data of probing moves.
     pub skip: Box<probing::Probing>,
-    /// The law of the move in the making, if the job records laws.
+    /// The law of the next move, if the job records laws.
     pub law: Option<Box<laws::LawDraft>>,
     /// Times of motions and of waiting.
     pub times: Box<times::TimeRecord>,

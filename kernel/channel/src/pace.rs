@@ -57,9 +57,9 @@ pub struct FeedPlanner {
 pub struct TimedMove {
     /// Events up to the next move.
     pub count: usize,
-    /// Time beyond that of the move at its feed, ns.
+    /// Time in addition to the time of the move at its feed, ns.
     pub more: i64,
-    /// The place of the move among the events, and its law, if the job records laws.
+    /// The index of the move in the events, and its law, if the job records laws.
     pub law: Option<(usize, MotionLaw)>,
 }
 
@@ -81,7 +81,7 @@ pub struct FeedMove {
     pub end: Position,
 }
 
-/// The law of a move that the look-ahead has timed; with a jerk its speed has no ramp.
+/// The law of a move that the look-ahead has timed; if the machine has a jerk, the speed has no ramp.
 fn with_ramp(law: MotionLaw, ramp: Option<SpeedRamp>) -> MotionLaw {
     match (law, ramp) {
         (MotionLaw::Path(path), Some(_)) => MotionLaw::Path(PathLaw { ramp, ..path }),
@@ -157,7 +157,7 @@ impl FeedPlanner {
         self.events.back_mut()
     }
 
-    /// The move that comes next has this law, if the job records laws.
+    /// Keeps the law of the next move, if the job records laws.
     pub fn keep_law(&mut self, law: MotionLaw) {
         if let Some(laws) = &mut self.laws {
             laws.push_back(law);

@@ -162,7 +162,7 @@ impl LookAhead {
         self.take().map(|(seconds, ..)| seconds)
     }
 
-    /// The same, with the speed along the move; `None` for a move with a jerk.
+    /// Takes the first move off: its seconds, and the speed along it; `None` for a move with a jerk.
     pub fn pop_with_ramp(&mut self) -> Option<(f64, Option<SpeedRamp>)> {
         let entry = self.entry.sqrt();
         let (seconds, piece, profile) = self.take()?;

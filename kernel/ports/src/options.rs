@@ -62,18 +62,18 @@ pub enum TimeModel {
     Simple,
 }
 
-/// How moves are timed, and whether the log says how they go between their ends.
+/// How moves are timed, and whether the log has their laws of motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "TimingForm", into = "TimingForm")]
 pub struct MoveTiming {
     /// How moves at feed are timed.
     pub model: TimeModel,
-    /// The log has the law of each move.
+    /// Whether the log has the law of each motion.
     pub law: bool,
 }
 
 impl MoveTiming {
-    /// Length by feed, without laws.
+    /// Length divided by feed, without laws.
     pub const SIMPLE: Self = Self { model: TimeModel::Simple, law: false };
 
     /// Whether it is the usual one.

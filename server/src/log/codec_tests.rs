@@ -38,7 +38,7 @@ fn driven(progress: RadiusProgress) -> DrivenSpeed {
 }
 
 fn surface_arc(radial: usize) -> Kind {
-    // The centre along the part is not needed, so it reads as the radial one.
+    // The axial coordinate of the centre is not stored; the radial coordinate is read in its place.
     let arc = PlaneArc { center: [7.0; 2], radius: 3.0, start_angle: 0.5, sweep: -1.25 };
     law(FeedSchedule::SurfaceArc { arc, radial, speed: SURFACE }, None)
 }

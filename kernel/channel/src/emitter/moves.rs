@@ -62,7 +62,7 @@ impl Emitter<'_> {
 
     /// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly;
     /// `jumps`: the change of speed that an axis may make at a corner; `exact`: the path stops after the move;
-    /// `law`: its law without the ramp, if the job records laws.
+    /// `law`: the law of the move without the ramp, if the job records laws.
     #[inline(always)]
     pub fn emit_move(
         &mut self,
@@ -108,7 +108,7 @@ impl Emitter<'_> {
         self.pace.as_ref()?.brakes_at()
     }
 
-    /// Releases this many timed events; the law of one of them follows it.
+    /// Releases this many timed events. `law`: the index of a motion among them, and the law that follows the motion.
     fn let_out(&mut self, count: usize, law: Option<(usize, MotionLaw)>) {
         let Some(mut pace) = self.pace.take() else { return };
         self.holds_back(None);

@@ -1,18 +1,19 @@
-//! One axis of a rapid move that goes at its own rate.
+//! One axis of a rapid move in which each axis moves at its own rate.
 
 use super::SpeedRamp;
 
-/// An axis from standstill to standstill at its own rate, by times alone. When it has arrived, it holds.
+/// An axis that moves from standstill to standstill at its own rate, by times alone. It holds its position after its
+/// arrival.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AxisRamp {
-    /// Seconds until it has arrived; 0: it does not move.
+    /// Seconds until the arrival of the axis; 0: the axis does not move.
     pub arrives: f64,
-    /// Seconds of each of its two changes of speed, at most half of the whole; 0: they take no time.
+    /// Seconds of its acceleration and of its deceleration, each at most half of the whole; 0: speeds change at once.
     pub ramp: f64,
 }
 
 impl AxisRamp {
-    /// Of an axis that changes its position by some length, at its rate per second and its acceleration per second
+    /// For an axis that changes its position by this length, with its rate per second and its acceleration per second
     /// squared, which may be infinite.
     #[must_use]
     pub fn new(change: f64, speed: f64, acceleration: f64) -> Self {
@@ -24,14 +25,14 @@ impl AxisRamp {
         Self { arrives: ramp.seconds(), ramp: seconds }
     }
 
-    /// The part of its way that is complete after this many seconds, from 0 to 1.
+    /// The fraction of the travel that is complete after this many seconds, from 0 to 1.
     #[must_use]
     pub fn way(&self, seconds: f64) -> f64 {
         let Self { arrives, ramp } = *self;
         if seconds >= arrives {
             return 1.0;
         }
-        // The speed between the ramps, as a part of the way per second.
+        // The speed between the ramps, as a fraction of the travel per second.
         let top = 1.0 / (arrives - ramp);
         let (elapsed, left) = (seconds.max(0.0), arrives - seconds);
         let way = if elapsed < ramp {

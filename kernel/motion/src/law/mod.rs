@@ -1,9 +1,10 @@
-//! The law of a move: how far it has come at each instant of its time.
+//! The law of a move: its progress along the path at each instant.
 //!
-//! Two steps lead from time to path. The planner decides how the *planned* time passes: at once, or with a [`SpeedRamp`]
-//! at the acceleration of the axes. The feed decides how much of the path is complete after a part of the planned time: a
-//! [`FeedSchedule`]. Moves in which each axis goes at its own rate have an [`AxisRamp`] for each axis instead.
-//! *Invariants:* every function here increases with time, is 0 at the start and 1 at the end, bit by bit.
+//! Two steps lead from time to path. The planner determines the progress of the *planned* time: speeds change at once,
+//! or with a [`SpeedRamp`] at the acceleration of the axes. The feed determines the fraction of the path that is
+//! complete after a fraction of the planned time: a [`FeedSchedule`]. Moves in which each axis moves at its own rate
+//! have an [`AxisRamp`] for each axis instead. *Invariants:* every function here increases with time, is 0 at the start
+//! and 1 at the end, bit by bit.
 
 mod axis;
 mod ramp;
@@ -16,14 +17,14 @@ pub use schedule::{FeedSchedule, SpindleRotation};
 /// The law of a move along one path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathLaw {
-    /// How the planned time passes; `None`: speeds change at once.
+    /// Progress of the planned time; `None`: speeds change at once.
     pub ramp: Option<SpeedRamp>,
-    /// How the path is covered in the planned time.
+    /// Progress along the path in the planned time.
     pub schedule: FeedSchedule,
 }
 
 impl PathLaw {
-    /// The part of the path that is complete after this part of the time, both from 0 to 1.
+    /// The fraction of the path that is complete after this fraction of the time, both from 0 to 1.
     #[must_use]
     pub fn path(&self, time: f64) -> f64 {
         if time <= 0.0 {

@@ -1,4 +1,4 @@
-//! The speed along a planned move: up, steady, down.
+//! The speed along a planned move: acceleration, constant speed, deceleration.
 
 /// The speed along a move of the look-ahead. Lengths in geometry units, times in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,19 +11,19 @@ pub struct SpeedRamp {
     pub top: f64,
     /// Speed at the end.
     pub exit: f64,
-    /// Acceleration of both changes; infinite: they take no time.
+    /// Acceleration and deceleration; infinite: speeds change at once.
     pub acceleration: f64,
 }
 
 impl SpeedRamp {
-    /// From standstill to standstill, as fast as the speed and the acceleration allow.
+    /// A move from standstill to standstill, as fast as the speed and the acceleration allow.
     #[must_use]
     pub fn alone(length: f64, speed: f64, acceleration: f64) -> Self {
         let top = if acceleration.is_finite() { speed.min((acceleration * length).sqrt()) } else { speed };
         Self { length, entry: 0.0, top, exit: 0.0, acceleration }
     }
 
-    /// Seconds of the three parts.
+    /// Seconds of acceleration, constant speed and deceleration.
     fn parts(&self) -> [f64; 3] {
         let Self { length, entry, top, exit, acceleration } = *self;
         let change = |end: f64| if acceleration.is_finite() { (top - end).max(0.0) / acceleration } else { 0.0 };
@@ -38,7 +38,7 @@ impl SpeedRamp {
         self.parts().iter().sum()
     }
 
-    /// The part of the way that is complete after this part of the time, both from 0 to 1.
+    /// The fraction of the length that is complete after this fraction of the time, both from 0 to 1.
     #[must_use]
     pub fn way(&self, time: f64) -> f64 {
         if time <= 0.0 {
@@ -66,7 +66,7 @@ impl SpeedRamp {
 mod tests {
     use super::*;
 
-    /// The same in small steps of time.
+    /// The fraction by integration in small time steps.
     fn by_steps(ramp: &SpeedRamp, time: f64) -> f64 {
         const STEPS: u32 = 40_000;
         let step = ramp.seconds() * time / f64::from(STEPS);

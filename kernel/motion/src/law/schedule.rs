@@ -1,4 +1,5 @@
-//! How much of a path is complete after a part of its planned time, while its feed follows a clock or a spindle.
+//! The fraction of a path that is complete after a fraction of its planned time, if the feed follows a clock or a
+//! spindle.
 
 use super::invert;
 use crate::arc::PlaneArc;
@@ -9,11 +10,11 @@ use crate::thread::Lead;
 /// How the spindle turns during a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpindleRotation {
-    /// Steady rev/min.
+    /// Constant rev/min.
     Fixed(f64),
-    /// By the radius at which the move itself is.
+    /// Driven by the current radius of the move itself.
     Surface(SurfaceSpeed),
-    /// Driven by the move of another channel, which started this many minutes before.
+    /// Driven by the move of another channel, which started this many minutes earlier.
     Driven(DrivenSpeed, f64),
 }
 
@@ -29,16 +30,16 @@ impl SpindleRotation {
     }
 }
 
-/// How the path is covered in the planned time.
+/// Progress along the path in the planned time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FeedSchedule {
-    /// At a steady speed.
+    /// At constant speed.
     Steady,
-    /// By revolutions of a spindle along a line, or along a path during which the radius does not count.
+    /// By revolutions of a spindle along a line, or along a path on which the radius has no effect.
     Turning {
         /// Feed per revolution, or the lead of a thread.
         lead: Lead,
-        /// Length that the lead counts along.
+        /// Length along which the lead is measured.
         way: f64,
         /// Radii at the start and at the end.
         radii: [f64; 2],
@@ -49,7 +50,7 @@ pub enum FeedSchedule {
     SurfaceArc {
         /// The arc.
         arc: PlaneArc,
-        /// Coordinate of its plane that is the radius of the part, 0 or 1.
+        /// Coordinate of the plane that is the radius of the part, 0 or 1.
         radial: usize,
         /// The spindle.
         speed: SurfaceSpeed,
@@ -57,7 +58,7 @@ pub enum FeedSchedule {
 }
 
 impl FeedSchedule {
-    /// The part of the path that is complete after this part of the planned time, both from 0 to 1.
+    /// The fraction of the path that is complete after this fraction of the planned time, both from 0 to 1.
     #[must_use]
     pub fn path(&self, time: f64) -> f64 {
         if time <= 0.0 {
@@ -75,7 +76,7 @@ impl FeedSchedule {
         }
     }
 
-    /// Minutes after which this part of the path is complete; of a steady schedule the part itself.
+    /// Minutes after which this fraction of the path is complete; for a steady schedule the fraction itself.
     fn minutes(&self, path: f64) -> f64 {
         match self {
             Self::Steady => path,
@@ -107,7 +108,7 @@ mod tests {
 
     const SPEED: SurfaceSpeed = SurfaceSpeed { surface: 200_000.0, max: 3000.0, min: 0.0 };
 
-    /// The same in small steps of time: the path grows by the lead times the speed of the spindle.
+    /// The path by integration in small time steps: its rate is the lead times the spindle speed.
     fn by_steps(rate: impl Fn(f64, f64) -> f64, minutes: f64, time: f64) -> f64 {
         const STEPS: u32 = 20_000;
         let step = minutes * time / f64::from(STEPS);
@@ -122,8 +123,8 @@ mod tests {
 
     #[test]
     fn facing_under_constant_surface_speed_is_not_linear() {
-        // From radius 25 to 7 without a limit in between: time goes with the square of the radius, so at half of it
-        // the radius is √((25² + 7²) / 2) = 18.357 and not 16.
+        // From radius 25 to 7 without a limit in between: the square of the radius is linear in time, so at half the
+        // time the radius is √((25² + 7²) / 2) = 18.357 and not 16.
         let lead = Lead { start: 0.2, change: 0.0 };
         let facing = FeedSchedule::Turning {
             lead,
