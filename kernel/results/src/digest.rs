@@ -8,9 +8,9 @@
 //! omitted, axes that change, and the number of expected blocks before it (the next line of the file, counted on, at
 //! the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32), kinds and
 //! words their number on the wire, counted from 0. A motion gives the axes whose start differs from the end of the last
-//! motion and those whose end differs from the start, and only those. Laws of motions do not count: the fingerprint is the
-//! same whether a job records them or not. *Invariant:* every field of every other event can be read from the form;
-//! numbers already given to a kind or a state never change.
+//! motion and those whose end differs from the start, and only those. Laws of motions are not part of the form, so the
+//! fingerprint is the same with or without them. *Invariant:* every field of every other event can be read from the
+//! form; numbers already given to a kind or a state never change.
 
 mod form;
 

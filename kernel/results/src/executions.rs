@@ -1,7 +1,8 @@
 //! The times at which a block of a program was executed.
 //!
-//! An execution begins with the first event of the block and ends where the next event of the channel belongs to another
-//! block, or where its last action ends. *Invariant:* executions of a channel are in order and do not overlap.
+//! An execution begins with the first event of the block. It ends when the next event of the channel belongs to another
+//! block, or when the last action of the block ends. *Invariant:* executions of a channel are in order and do not
+//! overlap.
 
 use serde::Serialize;
 
@@ -16,7 +17,7 @@ pub struct Execution {
     pub t_ns: i64,
     /// Time until the next block, ns.
     pub dur_ns: i64,
-    /// The part of it in which the channel waited, ns.
+    /// Time in which the channel waited, ns; part of `dur_ns`.
     pub wait_ns: i64,
 }
 
@@ -25,7 +26,7 @@ pub struct Execution {
 pub struct ExecutionFinder {
     file: String,
     line: u32,
-    /// Open executions, one of a channel at most; each with the latest end of its events and the start of its wait.
+    /// Open executions, at most one for each channel, with the latest end of their events and the start of their wait.
     open: Vec<OpenExecution>,
     found: Vec<Execution>,
 }
@@ -38,7 +39,7 @@ struct OpenExecution {
 }
 
 impl ExecutionFinder {
-    /// For a line of a file; the file may be given by the end of its path.
+    /// Finds the executions of a line of a file; the end of the file's path suffices.
     #[must_use]
     pub fn new(file: &str, line: u32) -> Self {
         Self { file: file.to_owned(), line, open: Vec::new(), found: Vec::new() }
@@ -49,7 +50,7 @@ impl ExecutionFinder {
         rest.is_some_and(|rest| rest.is_empty() || rest.ends_with('/') || self.file.starts_with('/'))
     }
 
-    /// The next line of the log.
+    /// Reads the next line of the log.
     ///
     /// # Errors
     /// If the line is not an event.
@@ -92,7 +93,7 @@ impl ExecutionFinder {
         self.found.push(execution);
     }
 
-    /// All executions, by their start.
+    /// Returns all executions in the order of their starts.
     #[must_use]
     pub fn finish(mut self) -> Vec<Execution> {
         for open in std::mem::take(&mut self.open) {
@@ -139,7 +140,7 @@ mod tests {
         ];
         let log: Vec<&str> = log.iter().map(String::as_str).collect();
         assert_eq!(executions("a/p.nc", 7, &log), [(1, 0, 5, 0), (1, 9, 3, 3), (1, 12, 4, 0)]);
-        // The end of the path names a file, but not the end of a name.
+        // The end of a path matches only whole names of folders and files.
         assert_eq!(executions("p.nc", 7, &log).len(), 4);
         assert_eq!(executions(".nc", 7, &log), []);
         assert_eq!(executions("p.nc", 9, &log), []);

@@ -174,7 +174,7 @@ impl ArcGeometry {
         }
     }
 
-    /// Position at a share (0 to 1) of the path, as programmed; axes beside the arc go evenly.
+    /// Position at a fraction (0 to 1) of the path, as programmed; axes outside the arc move evenly.
     #[must_use]
     pub fn position(self, motion: &Motion, axes: &[JobAxis], share: f64) -> Position {
         let sweep = match self {

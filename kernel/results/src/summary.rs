@@ -112,7 +112,7 @@ pub struct ChannelSummary {
     pub misc_ns: i64,
     /// Waiting at sync points, ns.
     pub wait_ns: i64,
-    /// Its axes, in the order of the channel.
+    /// Axes, in the order of the channel.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisSummary>,
     /// Its tools, in the order of the tooling tables; left out without any.
@@ -125,21 +125,21 @@ pub struct ChannelSummary {
 pub struct AxisSummary {
     /// Name.
     pub name: String,
-    /// `true`: degrees; `false`: lengths.
+    /// Whether values are degrees; otherwise they are lengths.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rotary: bool,
-    /// Values are diameters.
+    /// Whether values are diameters.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub diameter: bool,
 }
 
 impl AxisSummary {
-    /// Of an axis of the job.
+    /// Converts an axis of the job.
     fn new(info::JobAxis { name, rotary, diameter }: &info::JobAxis) -> Self {
         Self { name: name.clone(), rotary: *rotary, diameter: *diameter }
     }
 
-    /// The axis as results need it.
+    /// Converts the axis to an axis of the job.
     #[must_use]
     pub fn job_axis(&self) -> info::JobAxis {
         info::JobAxis { name: self.name.clone(), rotary: self.rotary, diameter: self.diameter }

@@ -1,4 +1,4 @@
-//! Lines of `events.jsonl`, as far as the state at an instant needs them.
+//! Lines of `events.jsonl`, with the fields that the state at an instant needs.
 //!
 //! *Invariant:* unknown kinds and fields are ignored, so lines of later versions can be read.
 
@@ -71,7 +71,7 @@ impl<'de> Deserialize<'de> for ByAxis {
 }
 
 impl ByAxis {
-    /// By index of the axis; axes that are not there are at zero.
+    /// Values by index of the axis; absent axes are at zero.
     pub(crate) fn position(&self, axes: &[JobAxis]) -> Position {
         let mut position = [0.0; MAX_AXES];
         for (slot, axis) in position.iter_mut().zip(axes) {
@@ -126,7 +126,7 @@ impl MotionLine {
     }
 }
 
-/// A law. Numbers without a limit are `null`.
+/// A law. Infinite numbers are `null`.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case")]
 pub(crate) enum LawLine {

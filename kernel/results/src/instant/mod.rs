@@ -1,8 +1,8 @@
-//! The state of a job at an instant: of each channel its block, activity, position, tool, spindles and wait.
+//! The state of a job at an instant: for each channel its block, activity, position, tool, spindles and wait.
 //!
-//! The lines of the ordered log ([`crate::jsonl`]) go through an [`InstantBuilder`]. Between the ends of a motion the
-//! position follows its law, if the job has recorded laws; otherwise only the ends are given. *Invariant:* events that
-//! begin at the instant count, whatever their microstep.
+//! An [`InstantBuilder`] reads the lines of the ordered log ([`crate::jsonl`]). Between the ends of a motion the
+//! position follows the law of the motion, if the job has recorded laws; otherwise only the ends are given.
+//! *Invariant:* events that begin at the instant are included, regardless of their microstep.
 
 mod lines;
 mod position;
@@ -32,7 +32,7 @@ pub struct NotAnEvent(pub serde_json::Error);
 pub struct Instant {
     /// The instant, ns.
     pub t_ns: i64,
-    /// When the last channel comes to its end, ns.
+    /// End of the last channel, ns.
     pub makespan_ns: i64,
     /// Channels, ascending.
     pub channels: Vec<ChannelInstant>,
@@ -42,15 +42,15 @@ pub struct Instant {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ChannelActivity {
-    /// Its program has not begun, or it has none.
+    /// The program has not started, or the channel has no program.
     NotStarted,
-    /// It executes blocks.
+    /// The channel executes blocks.
     Running,
-    /// It waits for other channels.
+    /// The channel waits for other channels.
     Waiting,
-    /// Its program has ended.
+    /// The program has ended.
     Ended,
-    /// An alarm, a limit or a wait without end has stopped it.
+    /// An alarm, a limit or an endless wait has stopped the channel.
     Stopped,
 }
 
@@ -61,7 +61,7 @@ pub struct ChannelInstant {
     pub channel: u16,
     /// Name.
     pub name: String,
-    /// Its activity.
+    /// Activity.
     pub state: ChannelActivity,
     /// File of the block, in the programs of the user; empty before the first block.
     pub file: String,
@@ -72,17 +72,17 @@ pub struct ChannelInstant {
     /// The event in progress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub action: Option<ActionInstant>,
-    /// Positions by axis, as programmed; `None` before the first motion, and where a law is missing.
+    /// Positions by axis, as programmed; `None` before the first motion, and during a motion without a law.
     pub position: Option<AxisValues>,
     /// Machine position minus programmed position, by axis; exact unless a frame is rotated.
     pub shift: AxisValues,
-    /// Loaded tool, 0 without any, and its offset.
+    /// Loaded tool, 0 for none, and its offset.
     pub tool: [u32; 2],
     /// The last command of each spindle that the channel has commanded.
     pub spindles: Vec<SpindleInstant>,
     /// Modal states by the first word of their text, as the listing names them.
     pub modes: BTreeMap<String, String>,
-    /// Its wait.
+    /// The wait in progress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wait: Option<WaitInstant>,
 }
@@ -90,16 +90,16 @@ pub struct ChannelInstant {
 /// An event in progress.
 #[derive(Debug, Clone, Serialize)]
 pub struct ActionInstant {
-    /// Kind of the event, of a motion its own kind: `rapid`, `linear`, `dwell`, `tool`.
+    /// Kind of the event, for a motion the kind of motion: `rapid`, `linear`, `dwell`, `tool`.
     pub kind: String,
-    /// Its start, ns.
+    /// Start, ns.
     pub since_ns: i64,
-    /// Its end, ns.
+    /// End, ns.
     pub until_ns: i64,
-    /// Of a motion: its ends by axis.
+    /// Start and end of a motion by axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ends: Option<[AxisValues; 2]>,
-    /// Why the position between the ends is not known; `None` if it is.
+    /// Why the position between the ends is not known; `None` if the position is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unknown: Option<&'static str>,
 }
@@ -111,7 +111,7 @@ pub struct SpindleInstant {
     pub spindle: u16,
     /// Direction.
     pub direction: SpindleDirection,
-    /// Constant surface speed.
+    /// Whether constant surface speed is active.
     pub css: bool,
     /// Rev/min, or surface speed in m/min or ft/min.
     pub speed: f64,
@@ -134,9 +134,9 @@ impl Serialize for AxisValues {
 /// A wait in progress.
 #[derive(Debug, Clone, Serialize)]
 pub struct WaitInstant {
-    /// The mark: `M101`.
+    /// The mark, such as `M101`.
     pub key: String,
-    /// When the channel arrived, ns.
+    /// Arrival of the channel, ns.
     pub since_ns: i64,
     /// The channels that take part and have not arrived.
     pub missing: Vec<u16>,
@@ -166,14 +166,14 @@ pub struct InstantBuilder {
 }
 
 impl InstantBuilder {
-    /// The state at this instant, ns, of the job with this summary.
+    /// Starts the state at this instant, ns, for the job with this summary.
     #[must_use]
     pub fn new(summary: &Summary, t_ns: i64) -> Self {
         let channels = summary.channels.iter().map(ChannelReplay::new).collect();
         Self { t_ns, makespan_ns: summary.makespan_ns, channels }
     }
 
-    /// The next line; `false` if neither this line nor a later one counts.
+    /// Reads the next line; `false` if this line and all later lines are after the instant.
     ///
     /// # Errors
     /// If the line is not an event.
@@ -188,7 +188,7 @@ impl InstantBuilder {
         Ok(true)
     }
 
-    /// The state.
+    /// Returns the state.
     #[must_use]
     pub fn finish(self) -> Instant {
         let Self { t_ns, makespan_ns, channels } = self;
@@ -276,7 +276,7 @@ impl ChannelReplay {
             }
             "mode" => {
                 let ModeLine { text } = serde_json::from_slice(line)?;
-                // Data that a block sets are no modal state.
+                // Data that a block sets are not modal states.
                 let first = text.split(' ').next().filter(|first| *first != "set").map(str::to_owned);
                 first.into_iter().for_each(|first| drop(now.modes.insert(first, text.clone())));
             }
@@ -305,7 +305,7 @@ impl ChannelReplay {
         Ok(())
     }
 
-    /// The work frame moves: the last position is another one in the new frame.
+    /// Moves the work frame, and converts the last position to the new frame.
     fn shift(&mut self, frame: &FrameLine) {
         let after = self.by_axis(&frame.shift.position(&self.axes));
         let before = std::mem::replace(&mut self.now.shift, after);

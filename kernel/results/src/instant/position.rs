@@ -1,12 +1,12 @@
-//! The place of a motion at a part of its time, by its law.
+//! The position of a motion after a fraction of its time, by its law.
 
 use counterpoint_event::event::{Motion, MotionLaw, Position};
 use counterpoint_event::info::JobAxis;
 
 use crate::geometry::ArcGeometry;
 
-/// The position after this part of the time of a motion, from 0 to 1, as programmed; `None` if the law does not
-/// determine it.
+/// The position after this fraction of the time of a motion, from 0 to 1, as programmed; `None` if the law does not
+/// determine the position.
 #[must_use]
 pub fn position(motion: &Motion, law: &MotionLaw, axes: &[JobAxis], time: f64) -> Option<Position> {
     if time <= 0.0 {
@@ -35,7 +35,7 @@ pub fn position(motion: &Motion, law: &MotionLaw, axes: &[JobAxis], time: f64) -
     }
 }
 
-/// The point of the straight line between the ends.
+/// The point on the straight line at this fraction of its length.
 fn between(motion: &Motion, share: f64) -> Position {
     let mut place = motion.from;
     for (slot, to) in place.iter_mut().zip(&motion.to) {
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn facing_under_constant_surface_speed() {
-        // From diameter 50 to 14 the time goes with the square of the radius: at half time X is 36.715 and not 32.
+        // From diameter 50 to 14 the square of the radius is linear in time: at half the time X is 36.715 and not 32.
         let facing = motion(MotionKind::Linear, &[50.0, 0.0], &[14.0, 0.0]);
         let speed = SurfaceSpeed { surface: 200_000.0, max: f64::INFINITY, min: 0.0 };
         let (lead, spindle) = (Lead { start: 0.2, change: 0.0 }, SpindleRotation::Surface(speed));

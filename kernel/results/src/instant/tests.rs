@@ -1,4 +1,4 @@
-//! Lines by hand, and the state that they give.
+//! Lines written by hand, and the resulting state.
 
 use super::*;
 use crate::builder::ResultsBuilder;
@@ -34,7 +34,7 @@ fn release(channel: u16, t_ns: i64, since_ns: i64, line: u32) -> Event {
     at(channel, t_ns, 0, line, Kind::Release(kind))
 }
 
-/// Two channels: the first moves for 2 s and waits from 2 s on; the second cuts from 1 s to 5 s and then arrives.
+/// Two channels: channel 1 moves for 2 s and then waits; channel 2 cuts from 1 s to 5 s and then arrives.
 fn events() -> Vec<Event> {
     let rapid = motion(MotionKind::Rapid, &[40.0, 0.0], &[20.0, 100.0]);
     let axes = [AxisRamp { arrives: 0.5, ramp: 0.0 }, AxisRamp { arrives: 2.0, ramp: 0.0 }];
