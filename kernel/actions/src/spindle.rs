@@ -72,7 +72,8 @@ pub(crate) fn turn(
     })
 }
 
-/// Constant surface speed or speed. Both wait for the spindle code of their block, whose spindle takes them.
+/// Constant surface speed or constant speed. Both wait for the spindle code of their block, because they belong to its
+/// spindle.
 fn mode(act: &mut ActionContext<'_, '_>, css: bool) -> Acted {
     if act.channel().env.machine.habits.speed_follows_codes && has_spindle_code_ahead(act) {
         let line = act.channel().at.line;
@@ -95,8 +96,8 @@ fn with_speed_owner(
     commanded(act, number, action)
 }
 
-/// The same for constant surface speed and its limit, which a spindle of live tools never has. On some machines they
-/// belong to the spindle at which the turret works (`[control] surface_owner`).
+/// Lets an action command the spindle that constant surface speed and its limit belong to, never a spindle of live
+/// tools. On some machines this is the spindle at which the turret works (`[control] surface_owner`).
 fn with_surface_owner(
     act: &mut ActionContext<'_, '_>,
     action: impl FnOnce(&mut ActionContext<'_, '_>) -> Acted,
@@ -156,7 +157,7 @@ pub(crate) fn rpm(act: &mut ActionContext<'_, '_>) -> Acted {
     })
 }
 
-/// Ends constant surface speed; the speed that turns stays until the program gives another one.
+/// Ends constant surface speed; the current speed remains until the program gives another speed.
 fn leave_surface_speed(command: &mut SpindleCommand, held: Option<f64>) {
     command.rpm = held.unwrap_or(command.rpm);
     (command.css, command.radius) = (false, 0.0);
@@ -221,7 +222,7 @@ pub(crate) fn tap_speed(act: &mut ActionContext<'_, '_>) -> Acted {
 /// The speed of the block, otherwise one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(act: &mut ActionContext<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
-    // A macro of a spindle code passes on the S of its block as a speed.
+    // A macro of a spindle code passes the S word of its block as a speed.
     let word = word.or_else(|| if css { act.take(data::SPINDLE_RPM) } else { None });
     if let Some(word) = word {
         act.channel_mut().state.remembered.remember_speed(word.raw);

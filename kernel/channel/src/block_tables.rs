@@ -1,4 +1,4 @@
-//! Data that the blocks of a channel need and that depend on the machine and the job alone.
+//! Data that the blocks of a channel need and that depend only on the machine and the job.
 //!
 //! *Invariant:* made once per job; the kernels of a job share them, and no run changes them.
 
@@ -15,7 +15,7 @@ use counterpoint_program::word_names::WordNames;
 
 use crate::calling_words::CodeCalls;
 
-/// The machine as its blocks need it.
+/// Machine data that blocks need.
 pub struct BlockTables {
     /// Splits lines into words.
     pub scanner: LineScanner,
@@ -38,7 +38,7 @@ pub struct BlockTables {
 }
 
 impl BlockTables {
-    /// The tables of a machine with its dialect, with the block skip levels that are on.
+    /// The tables of a machine with its dialect and the active block skip levels.
     pub fn new(machine: &Machine, dialect: &dyn Dialect, opskip: &[u8]) -> Self {
         let registers = ScannedRegisters::new(machine);
         let syntax = dialect.syntax();

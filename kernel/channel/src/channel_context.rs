@@ -45,7 +45,7 @@ pub struct ChannelContext<'a> {
     pub text: BlockText,
     /// The block as macros have changed it.
     pub context: BlockContext,
-    /// The machine as the blocks need it.
+    /// Machine data that blocks need.
     pub tables: &'a BlockTables,
     /// The code that is acting.
     pub acting: Acting,

@@ -1,4 +1,4 @@
-//! Axes of a channel that follow axes of another one: their places, and the effect on the words of the block.
+//! Axes of a channel that follow axes of another channel: their positions, and the effect on the words of the block.
 //!
 //! Facts: reference channel-synchronisation.md 5. *Invariant:* an axis that follows has no commands of its own.
 
@@ -131,7 +131,7 @@ pub fn log_coupling(channel: &mut ChannelContext<'_>, pair: &CoupledPair, what: 
     channel.emit(0, Logged::coupling(text, carried));
 }
 
-/// Renews the data about all limits after those of an axis have changed.
+/// Updates the data about all limits after the limits of an axis have changed.
 pub fn limits_changed(place: &mut MotionState) {
     let stored = place.stored.as_deref().is_some_and(|area| area.on);
     let layout = &mut place.layout;

@@ -11,9 +11,9 @@ pub struct FixedStops {
     pub once: u8,
     /// Axes that the program has named, bit by axis.
     pub named: u8,
-    /// Those of them that have met their stops, bit by axis.
+    /// Named axes that have met their stops, bit by axis.
     pub met: u8,
-    /// A turning cycle makes the current move.
+    /// Whether a turning cycle makes the current move.
     pub in_turning_cycle: bool,
 }
 

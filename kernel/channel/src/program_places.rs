@@ -144,7 +144,7 @@ pub fn begun_at(channel: &ChannelContext<'_>, file: FileId, range: ProgramRange,
     Some(ProgramRange { first, ..range })
 }
 
-/// The part of a file that a call asks for.
+/// The part of a file that a call requests.
 pub fn in_file(channel: &ChannelContext<'_>, file: FileId, what: &Callee) -> Option<ProgramRange> {
     let source = channel.env.sources.get(file)?;
     match what {

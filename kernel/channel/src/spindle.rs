@@ -120,7 +120,7 @@ pub struct Spindles {
     pub started: u16,
     /// The same of the last one that is not a spindle of live tools.
     pub turned: u16,
-    /// Line of a block whose spindle code has not acted yet, and whether the block gives a surface speed.
+    /// Line of a block whose spindle code has not acted yet, and whether its speed is a surface speed.
     pub mode_of_block: Option<(u32, bool)>,
     /// Head that drives constant surface speed, when a code has set it.
     pub driver: Option<u16>,

@@ -31,7 +31,7 @@ pub struct ThreadPassPlan {
 pub struct ThreadPass {
     /// Counts from 1; 0 for finishing.
     pub number: u32,
-    /// Its depth.
+    /// Depth of the pass.
     pub depth: f64,
 }
 

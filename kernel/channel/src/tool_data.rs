@@ -22,7 +22,7 @@ const MOST: usize = 1000;
 /// Characters of a name.
 const LONGEST_NAME: usize = 80;
 
-/// Reports the data of the tool in use; called when the tool in use has been loaded, or another offset is active.
+/// Reports the data of the tool in use. Called after the tool has been loaded or another offset has become active.
 pub fn report_tool(channel: &mut ChannelContext<'_>, macros: &Runtime, has_hooks: bool) {
     let tables = &channel.env.machine.tool;
     let current = channel.state.place.tools.current;

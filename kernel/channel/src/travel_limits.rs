@@ -54,7 +54,7 @@ pub fn place_along(motion: &Motion, round: &Option<Round>, share: f64) -> Positi
     place
 }
 
-/// The axis that a motion leads beyond its limits first, with its place and its range.
+/// The first axis that a motion moves beyond its limits, with its position and its range.
 pub fn leads_beyond(channel: &ChannelContext<'_>, motion: &Motion, limits: LimitKind) -> Option<Over> {
     let over = beyond(channel, &motion.to, NOISE, limits).or_else(|| match motion.kind {
         MotionKind::ArcCw | MotionKind::ArcCcw => swings_beyond(channel, motion, limits),

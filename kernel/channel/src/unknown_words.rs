@@ -83,7 +83,7 @@ pub fn moves_by_itself(channel: &ChannelContext<'_>) -> bool {
     group_queued(channel, crate::modal::group::MOTION)
 }
 
-/// A text of a message, without its end if it is long.
+/// Text for a message, without its end if it is long.
 pub fn shortened(text: &str) -> String {
     if text.chars().count() <= MOST {
         return text.to_owned();

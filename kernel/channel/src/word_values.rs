@@ -1,4 +1,4 @@
-//! Values of the words of a block: their numbers, the factors of their rows, and the values that are remembered.
+//! Values of the words of a block: their numbers, the factors of their rows, and the remembered values.
 //!
 //! Facts: reference control-emulator.md 1.3, 4.3. *Invariant:* reading takes no word off the block.
 

@@ -106,7 +106,7 @@ pub trait FrameHost {
     /// Makes moves of an axis, given by its letter, end at its fixed stop, or ends this; false without such an axis.
     fn meet_fixed_stop(&mut self, letter: &str, meets: bool) -> bool;
 
-    /// Whether an axis, given by its letter, has met the fixed stop that its moves end at.
+    /// Whether an axis, given by its letter, is at the fixed stop that ends its moves.
     fn is_at_fixed_stop(&self, letter: &str) -> bool;
 
     /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial

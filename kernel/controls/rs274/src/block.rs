@@ -12,7 +12,7 @@ use counterpoint_control_api::words::Span;
 /// Letters of axes.
 pub(super) const AXES: &[u8] = b"xyzabcuvw";
 
-/// Letters of GRBL besides G and M.
+/// Letters of GRBL other than G and M.
 const GRBL_LETTERS: &[u8] = b"fijklnprstxyz";
 
 /// Highest sequence number of GRBL.
@@ -225,7 +225,7 @@ impl BlockWords {
             return Err(refused(22, format!("no feed rate is programmed for {name}")));
         }
         if matches!(motion, 20 | 30) && (firmware || self.has_axes() || self.has_offsets() || self.has(b'r')) {
-            // The circle of grblHAL may be a full one without its end.
+            // A full circle of grblHAL needs no end point.
             if firmware && !self.has_axes() && (modes.kind == Rs274Kind::Grbl || self.has(b'r')) {
                 return Err(refused(26, format!("{name} has no axis word")));
             }
@@ -291,7 +291,7 @@ impl BlockWords {
         }
     }
 
-    /// P beside a circle, and the words of M19.
+    /// Checks P of a circle, and the words of M19.
     fn check_turns(&self) -> Result<(), Rs274Mistake> {
         if matches!(self.motion, Some(20 | 30))
             && let Some(turns) = self.get(b'p')
@@ -319,7 +319,7 @@ impl BlockWords {
     }
 }
 
-/// The error for a G code that the control does not have. GRBL reads the number before the point first.
+/// The error number for a G code that the control does not have. GRBL first reads the number before the point.
 fn error_of_unknown(code: u16, kind: Rs274Kind) -> u8 {
     let known = !code.is_multiple_of(10) && g_code(code / 10 * 10, kind).is_some();
     let has_own = matches!(code / 10, 28 | 30 | 38 | 43 | 61 | 90 | 91 | 92);

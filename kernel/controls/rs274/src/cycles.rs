@@ -19,7 +19,7 @@ use counterpoint_control_api::host::InterpreterHost;
 /// Seconds that grblHAL waits after each peck.
 const GRBLHAL_DWELL: f64 = 0.25;
 
-/// Short retract of G73 of grblHAL, mm (setting $28).
+/// Short retract of G73 on grblHAL, mm (setting $28).
 const GRBLHAL_RETRACT: f64 = 0.1;
 
 /// Words that a cycle remembers.
@@ -49,7 +49,7 @@ fn refused(error: u8, text: String) -> Rs274Mistake {
     Rs274Mistake::new(&diag::REFUSED, error, text)
 }
 
-/// A hole of G73 or G83 of grblHAL: the tool returns to its depth at feed, and stays there for a time after each peck.
+/// A hole of G73 or G83 on grblHAL: the tool returns to the depth at feed, and dwells after each peck.
 struct PeckedHole {
     /// The axes of the plane and of the hole.
     plane: [usize; 3],
@@ -57,7 +57,7 @@ struct PeckedHole {
     depth: f64,
     back: f64,
     step: f64,
-    /// G73: short retracts.
+    /// Whether retracts are short (G73).
     breaks: bool,
 }
 
@@ -105,14 +105,14 @@ impl PeckedHole {
     }
 }
 
-/// Ends the block before the next one.
+/// Ends the previous block, if one has been written.
 fn end_before(host: &mut dyn InterpreterHost, wrote: &mut bool) {
     if std::mem::replace(wrote, true) {
         host.end_block();
     }
 }
 
-/// Refuses taps and boring while the spindle does not turn, or turns the other way.
+/// Refuses tapping and boring if the spindle does not turn, or turns in the wrong direction.
 fn check_spindle(host: &dyn InterpreterHost, code: u16) -> Outcome<()> {
     let [clockwise, counter] = [ids::SPINDLE_CLW, ids::SPINDLE_CCLW].map(|id| host.is_active(id));
     let (turns, start) = match code {
@@ -151,7 +151,7 @@ impl Rs274 {
             *sticky =
                 StickyWords { code, initial: sticky.initial, r: sticky.r, spline: None, ..StickyWords::default() };
         }
-        // grblHAL returns to the level of each block.
+        // On grblHAL each block has its own retract level.
         let before = *sticky.initial.get_or_insert(here);
         let initial = if self.kind == Rs274Kind::GrblHal { here } else { before };
         let letter = AXES.get(along).copied().unwrap_or(b'z');

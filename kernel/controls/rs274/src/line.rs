@@ -113,7 +113,7 @@ pub(super) fn read(text: &[u8], language: bool) -> Result<Rs274Line, Rs274Mistak
     let text = BlockText::read(text)?;
     let mut cursor = Rs274Cursor::new(&text);
     let mut line = Rs274Line { comment: text.comment, ..Rs274Line::default() };
-    // GRBL takes N anywhere in the block, and checks it like the other words.
+    // GRBL accepts N anywhere in the block, and checks N like the other words.
     line.skip = if language { head(&mut cursor, &mut line.number)? } else { cursor.takes("/") };
     if cursor.here() == Some(b'o') && language {
         line.flow = Some(o_code(&mut cursor)?);

@@ -194,8 +194,8 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
     after_move(kernel, motion)
 }
 
-/// Refuses a move of a sub-spindle that the chucks do not allow. Returns the travel of the slide with a part that both
-/// chucks hold, after the move.
+/// Refuses a move of a sub-spindle that the chucks do not allow. Returns the travel of the slide after the move, if
+/// both chucks hold a part.
 fn before_move(kernel: &mut Kernel<'_>, motion: &Motion) -> Result<Option<f64>, Halt> {
     let Some((slot, [from, to], home)) = slide(kernel, motion) else { return Ok(None) };
     let Some(chucks) = known(kernel)? else { return Ok(None) };

@@ -33,7 +33,7 @@ impl Search {
         (0.0..=1.0).contains(&share).then_some(share)
     }
 
-    /// Whether the stop is behind the axis, which moves on.
+    /// Whether the axis has passed the stop and moves further away from it.
     fn goes_away(&self) -> bool {
         self.stop != self.from && self.to != self.from && (self.stop > self.from) != (self.to > self.from)
     }

@@ -1,4 +1,5 @@
-//! Answers that depend on whether the machine has macros: the scanner of the block in process, and a call as they see it.
+//! Queries whose answers differ with and without macros: the scanner of the current block, and the call as macros see
+//! it.
 //!
 //! *Invariant:* nothing here runs a macro. Facts: reference control-emulator.md 4, 5.3.
 

@@ -163,7 +163,7 @@ fn couple(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Act
     kernel.channel.check_stop()
 }
 
-/// A code that repeats the state of the spindles: the block lasts until they have reached it.
+/// Executes a code that repeats the state of the spindles: the block lasts until they have reached their speed.
 fn repeated(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> Acted {
     let ns = rest_of_run_up(kernel, [pair.leader, pair.follower])?;
     if ns == 0 {
@@ -176,7 +176,7 @@ fn repeated(kernel: &mut Kernel<'_>, pair: SpindlePair, phase: Option<f64>) -> A
     kernel.channel.check_stop()
 }
 
-/// A command that another channel has given already: the block lasts until the spindle has reached its speed.
+/// Executes a command that another channel has already given: the block lasts until the spindle has reached its speed.
 pub(super) fn wait_for_speed(kernel: &mut Kernel<'_>, id: SpindleId) -> Acted {
     let ns = rest_of_run_up(kernel, [id, id])?;
     if ns > 0 && kernel.channel.env.machine.spindles[id].overlap == TimeOverlap::None {

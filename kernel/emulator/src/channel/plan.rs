@@ -22,7 +22,7 @@ pub struct ExecutionPlan {
     pub hooks: Option<&'static HookPoints>,
     /// Follows a program without executing it.
     pub(crate) lint: fn(&mut Kernel<'_>) -> Halt,
-    /// Data that depend on the machine and the job alone.
+    /// Data that depend only on the machine and the job.
     pub tables: Arc<BlockTables>,
     /// Action of each code row.
     pub action_of_row: IdTable<CodeRowId, Option<&'static dyn Action>>,

@@ -1,6 +1,6 @@
 //! Codes that the data of a block fire, and the motion that its words imply.
 //!
-//! Facts: reference control-emulator.md 4.2. *Invariant:* such a code acts only if data that fire it are left.
+//! Facts: reference control-emulator.md 4.2. *Invariant:* such a code acts only if some of its data are left.
 
 use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::macros::runtime::Runtime;

@@ -177,7 +177,7 @@ pub struct Sync {
     /// An axis that programs of another channel command in composite control has its own place in their machine frame;
     /// otherwise their frame continues, and words move it by as much.
     pub composite_places: bool,
-    /// Words whose macros begin synchronous control of axes.
+    /// Words whose macros start synchronous control of axes.
     pub coupling_words: Vec<String>,
     /// Words and texts of `[[waits]]`.
     pub waits: Vec<super::WaitRow>,

@@ -106,7 +106,7 @@ fn written_from(
         } else if rule.style == WaitNotation::Statement && rule.numbered {
             format!("{}({},...)", rule.word, rule.marked(own.wait.key.number))
         } else if rule.style == WaitNotation::Axes && !mentions(&info.line_text(own.file, own.line), rule, &own.wait) {
-            // A word of the builder makes the code.
+            // The code comes from a word of the builder.
             info.block_text(own.file, own.line, 60).to_string()
         } else if matches!(rule.style, WaitNotation::LineUp | WaitNotation::Axes) || !rule.numbered {
             waits.rules.text(&own.wait)
