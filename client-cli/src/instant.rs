@@ -24,10 +24,10 @@ use crate::say::{self, DIM, styled};
 use crate::text::{more, table, time};
 use crate::{job_names, results};
 
-/// Executions that are listed as text.
+/// Largest number of executions listed as text.
 const ROWS: usize = 20;
 
-/// Where the events of a job are.
+/// Source of the events of a job.
 enum EventSource {
     Folder(std::path::PathBuf),
     Job(Box<ServerSession>, String),
@@ -61,7 +61,7 @@ impl EventSource {
         serde_json::from_slice(&bytes).map_err(|error| Error::Usage(format!("summary.json cannot be read: {error}")))
     }
 
-    /// Hands the lines of the events over until `each` asks for no more.
+    /// Passes the lines of the events to `each` until `each` returns `false`.
     async fn lines(&self, mut each: impl FnMut(&[u8]) -> Result<bool, NotAnEvent>) -> Result<(), Error> {
         let mut number = 0_u64;
         let mut each = |line: &[u8]| {
@@ -70,7 +70,9 @@ impl EventSource {
                 return Ok(true);
             }
             let about = |NotAnEvent(error)| {
-                Error::Usage(format!("line {number} of the events is not an event of this version: {error}"))
+                Error::Usage(format!(
+                    "line {number} of the events is not an event of this version: {error}; run the job again"
+                ))
             };
             each(line).map_err(about)
         };
@@ -105,7 +107,7 @@ impl EventSource {
     }
 }
 
-/// A time in simulated seconds: `12.5`, `12.5s`, `300ms`, `2min`, or as reports show it, `02:05.300`.
+/// Parses a time in simulated seconds: `12.5`, `12.5s`, `300ms`, `2min`, or as reports show it, `02:05.300`.
 fn instant(text: &str) -> Result<i64, Error> {
     let wrong = || Error::Usage(format!("'{text}' is not a time: write seconds as 12.5, or 300ms, 2min, 02:05.300"));
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| *value >= 0.0);
@@ -133,11 +135,13 @@ pub(crate) async fn at(arguments: At) -> Result<u8, Error> {
     }
     if t_ns > summary.makespan_ns {
         let (asked, end) = (time(t_ns), time(summary.makespan_ns));
-        return Err(Error::Usage(format!("the job ends at {end}, before {asked}")));
+        return Err(Error::Usage(format!("the job ends at {end}, before {asked}: give an earlier time")));
     }
     if summary.channels.iter().all(|channel| channel.axes.is_empty()) {
-        let text =
-            format!("the summary of '{}' names no axes, an earlier version wrote it: run the job again", arguments.of);
+        let text = format!(
+            "an earlier version wrote the summary of '{}', which names no axes: run the job again",
+            arguments.of
+        );
         return Err(Error::Usage(text));
     }
     let mut builder = InstantBuilder::new(&summary, t_ns);
@@ -194,7 +198,7 @@ fn rows(channel: &ChannelInstant, t_ns: i64, unit: &str) -> Vec<Vec<String>> {
             } else {
                 reason.replace('_', " ")
             };
-            row("moves", format!("{} to {}, place between not known ({why})", values(from), values(to)));
+            row("moves", format!("{} to {}, position between them not known ({why})", values(from), values(to)));
         }
     }
     if let Some(position) = &channel.position {
@@ -224,7 +228,7 @@ fn rows(channel: &ChannelInstant, t_ns: i64, unit: &str) -> Vec<Vec<String>> {
     rows
 }
 
-/// `X 40  Z -12.5`
+/// Formats positions as `X 40  Z -12.5`.
 fn values(position: &AxisValues) -> String {
     let value = |value: &f64| (value * 1e4).round() / 1e4 + 0.0;
     position.0.iter().map(|(axis, at)| format!("{axis} {}", value(at))).collect::<Vec<_>>().join("  ")
@@ -233,7 +237,7 @@ fn values(position: &AxisValues) -> String {
 /// Shows when a block was executed.
 pub(crate) async fn times(arguments: Where) -> Result<u8, Error> {
     let place = &arguments.place;
-    let wrong = || Error::Usage(format!("'{place}' is not a block: write the file and the line, as part.nc:120"));
+    let wrong = || Error::Usage(format!("'{place}' is not a block: write the file and the line, such as part.nc:120"));
     let (file, line) = place.rsplit_once(':').ok_or_else(wrong)?;
     let line = line.parse().ok().filter(|line| *line > 0 && !file.is_empty()).ok_or_else(wrong)?;
     let source = EventSource::open(&arguments.of, &arguments.remote).await?;
@@ -262,7 +266,7 @@ fn listed(place: &str, found: &[Execution]) -> String {
     out.push_str(&table(&rows, 1));
     more(&mut out, found.len(), ROWS, "executions (--json shows all)");
     if found.len() > ROWS {
-        let _ = writeln!(out, "{}", styled(DIM, "the sum counts all of them"));
+        let _ = writeln!(out, "{}", styled(DIM, "the sum includes all executions"));
     }
     out
 }

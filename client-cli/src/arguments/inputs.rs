@@ -142,7 +142,7 @@ pub(crate) struct TimingArgs {
     /// definition, or simply as length divided by feed
     #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
     pub(crate) time: Timing,
-    /// Record the law of each motion in the events, which determines the place of its axes between its ends
+    /// Record the law of each motion in the events: the positions of its axes between its ends
     #[arg(long)]
     pub(crate) law: bool,
 }
