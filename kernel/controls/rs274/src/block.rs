@@ -297,7 +297,7 @@ impl BlockWords {
             && let Some(turns) = self.get(b'p')
         {
             if self.has_g(40) {
-                return Err(refused(20, "P belongs to G4 and to the circle: write two blocks"));
+                return Err(refused(20, "P would apply to G4 and to the circle: write two blocks"));
             }
             if whole(turns).is_none_or(|turns| turns == 0) {
                 return Err(refused(23, "P of a circle, the number of turns, must be a whole number of at least 1"));
@@ -310,7 +310,7 @@ impl BlockWords {
             return Err(refused(20, "R of M19, the angle, must be 0 to 360"));
         }
         if self.get(b'p').is_some_and(|way| whole(way).is_none_or(|way| way > 2)) {
-            return Err(refused(20, "P of M19, the way round, must be 0, 1 or 2"));
+            return Err(refused(20, "P of M19, the direction of rotation, must be 0, 1 or 2"));
         }
         if self.get(b'q').is_some_and(|seconds| seconds <= 0.0) {
             return Err(refused(20, "Q of M19, the seconds to wait, must be above 0"));

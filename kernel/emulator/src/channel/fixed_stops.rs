@@ -47,7 +47,7 @@ pub(super) fn travel(kernel: &mut Kernel<'_>, seconds: f64, motion: &Motion) -> 
     }
     if let Some(search) = searches.iter().find(|search| search.goes_away() && motion.kind == MotionKind::Linear) {
         let text = format!(
-            "axis {} would move from {} to {}, away from its stop at {}: check the position of the stop and the move before",
+            "axis {} would move from {} to {}, away from its stop at {}: check the position of the stop and the previous move",
             name_of(kernel, search.slot),
             wildcard_text(search.from),
             wildcard_text(search.to),
