@@ -15,7 +15,7 @@ use crate::modal::{feed_of, group};
 use crate::offset_tables::EXTENDED;
 use crate::position::MotionState;
 
-/// Addresses that an operator wants to see, in the order of a screen.
+/// Addresses that the operator needs, in the order of a screen.
 const SHOWN: &[u8] = b"ONDHFSTM";
 
 /// Last value of an address, 0 without one.
@@ -64,7 +64,7 @@ fn running_program(channel: &ChannelContext<'_>, flow: &ProgramFlow) -> u32 {
     flow.frames.iter().rev().find_map(|frame| program_of(channel, frame)).unwrap_or(0)
 }
 
-/// Number of the program of a frame, 0 without one; none where blocks of the program before it run.
+/// Number of the program of a frame, 0 without a number; `None` for a frame that runs blocks of its caller.
 fn program_of(channel: &ChannelContext<'_>, frame: &RunningProgram) -> Option<u32> {
     match frame.called.what {
         Callee::Program(0) | Callee::Named(_) => Some(defined(channel, frame)),

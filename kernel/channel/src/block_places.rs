@@ -1,6 +1,7 @@
-//! Where the blocks of a text begin and end.
+//! Start and end of the blocks of a text.
 //!
-//! Facts: reference control-emulator.md 2.1. *Invariant:* the tape editor changes the text of a block, never its place.
+//! Facts: reference control-emulator.md 2.1. *Invariant:* the tape editor changes the text of a block, never its
+//! position.
 
 use counterpoint_program::source::ProgramSource;
 use counterpoint_program::spot::BlockStart;
@@ -79,12 +80,12 @@ pub fn neighbour_block(channel: &ChannelContext<'_>, flow: &ProgramFlow, behind:
     own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..channel.at.line).rev().find_map(last))
 }
 
-/// Where the block being processed starts. Only a block with a text of its own can start within its line.
+/// Start of the current block. Only a block with a text of its own can start within its line.
 pub fn block_start(channel: &ChannelContext<'_>, flow: &ProgramFlow) -> BlockStart {
     BlockStart { line: channel.at.line, offset: if channel.text.edited.is_some() { flow.offset } else { 0 } }
 }
 
-/// Where the block after another one of the current program starts.
+/// Start of the block after another block of the current program.
 pub fn block_after(channel: &ChannelContext<'_>, flow: &ProgramFlow, spot: BlockStart) -> BlockStart {
     let file = flow.frames.last().map_or(channel.at.file, |frame| frame.file);
     let line = channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));

@@ -1,8 +1,8 @@
 //! Time of codes and spindles from the machine's tables, overlapping other work or alone.
 //!
 //! Facts: reference channel-synchronisation.md 3 (M, S and T times). *Invariant:* a function that overlaps other work
-//! starts at a known time, so the path stops before it. A function that is still running when it must be over is waited
-//! for, and the wait is shown as that function.
+//! starts at a known time, so the path stops before the function. If the function must end but is still running, the
+//! channel waits for its end, and the log shows the wait as that function.
 
 use counterpoint_event::event::{Kind, MotionKind, TimedFunction};
 use counterpoint_machine::rows::{CodeRow, TimeOverlap};
@@ -12,7 +12,7 @@ use crate::RunningFunction;
 use crate::at::nanoseconds;
 use crate::channel_context::ChannelContext;
 
-/// Where the functions that end with their block are kept, and those that end before the next move at feed.
+/// Slots of the functions that end with their block, and of those that end before the next move at feed.
 const SLOTS: [TimeOverlap; 2] = [TimeOverlap::Block, TimeOverlap::Rapids];
 
 /// Time of a code from the machine's table.
@@ -27,7 +27,7 @@ pub fn take_time(channel: &mut ChannelContext<'_>, row: &CodeRow, pending: Pendi
     channel.advance(ns);
 }
 
-/// Starts a function that takes its time beside other work; `false` if it takes its time alone.
+/// Starts a function that overlaps other work; `false` if the function takes its time alone.
 pub fn runs_beside(
     channel: &mut ChannelContext<'_>,
     overlap: TimeOverlap,
@@ -52,7 +52,7 @@ pub fn end_functions(channel: &mut ChannelContext<'_>) {
     wait_for_function(channel, 0);
 }
 
-/// A move begins: before one at feed everything that runs is over.
+/// Ends the functions that may overlap rapid moves, before a move at feed.
 #[cold]
 #[inline(never)]
 pub fn end_before_feed(channel: &mut ChannelContext<'_>, kind: MotionKind) {

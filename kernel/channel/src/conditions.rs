@@ -1,6 +1,6 @@
 //! Rows of codes whose conditions are other words of the block (`with`, `without`).
 //!
-//! *Invariant:* of the rows of a word the first one that fits acts, and with it those that act beside another (`also`).
+//! *Invariant:* of the rows of a word the first matching row acts, together with matching rows that have `also`.
 
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeRow;

@@ -33,8 +33,8 @@ pub fn coupled_position(channel: &ChannelContext<'_>, pair: &CoupledPair, own: C
     CoupledPosition { place, by: coupled.map_or(0.0, |coupling| place - coupling.from) }
 }
 
-/// Ends a coupling here: the axis is where both channels have brought it. Returns the axis if that is another
-/// place.
+/// Ends a coupling here: the axis is at the position to which both channels have moved it. Returns the axis if this
+/// position is new.
 pub fn uncouple(channel: &mut ChannelContext<'_>, pair: &CoupledPair, theirs: f64) -> Option<CoupledAxisMove> {
     let couplings = &mut channel.state.others.couplings;
     let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
@@ -58,13 +58,13 @@ pub fn uncouple(channel: &mut ChannelContext<'_>, pair: &CoupledPair, theirs: f6
     put_axis(channel, slot, place)
 }
 
-/// Place of an axis in the machine frame, geometry units.
+/// Position of an axis in the machine frame, geometry units.
 pub fn axis_place(channel: &ChannelContext<'_>, slot: AxisSlot) -> f64 {
     let place = &channel.state.place;
     channel.state.place.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
 }
 
-/// Sets an axis to a position of the machine frame, geometry units. Returns it if the position has changed.
+/// Sets an axis to a position of the machine frame, geometry units. Returns the axis if its position has changed.
 pub fn put_axis(channel: &mut ChannelContext<'_>, slot: AxisSlot, place: f64) -> Option<CoupledAxisMove> {
     let from = channel.state.place.position;
     let mut machine = channel.state.place.machine_point(&channel.state.place.position);
@@ -80,7 +80,7 @@ pub fn put_axis(channel: &mut ChannelContext<'_>, slot: AxisSlot, place: f64) ->
     Some(CoupledAxisMove { slot, from })
 }
 
-/// Another component of a composite machine works: its axes are coupled as before.
+/// Keeps the couplings of axes after another component of a composite machine has become active.
 pub fn keep_couplings(channel: &mut ChannelContext<'_>) {
     let (machine, own_number) = (channel.env.machine, channel.at.channel);
     let ChannelMemory { place, others, .. } = &mut channel.state;
@@ -95,7 +95,7 @@ pub fn keep_couplings(channel: &mut ChannelContext<'_>) {
     hold_followers(channel);
 }
 
-/// Words of axes that follow others are not commands.
+/// Treats words of axes that follow other axes as words without commands.
 pub fn hold_followers(channel: &mut ChannelContext<'_>) {
     let machine = channel.env.machine;
     let held = slots(&channel.state.others.couplings, Coupling::follows);
@@ -162,7 +162,7 @@ fn words_of_couplings(channel: &mut ChannelContext<'_>, flow: &ProgramFlow) -> [
     words
 }
 
-/// The coupling begins for the axis of this channel.
+/// Starts the coupling for the axis of this channel.
 pub fn begin_coupling(channel: &mut ChannelContext<'_>, pair: CoupledPair, parking: Parking) {
     let Some((own, _)) = pair.of(channel.at.channel) else { return };
     let Some(slot) = channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else { return };
@@ -173,7 +173,7 @@ pub fn begin_coupling(channel: &mut ChannelContext<'_>, pair: CoupledPair, parki
     hold_followers(channel);
 }
 
-/// Ends a coupling that this channel has commanded: a slave is where its master had brought it at the last barrier.
+/// Ends a coupling that this channel has commanded: a slave is at its master's position of the last barrier.
 pub fn end_own(channel: &mut ChannelContext<'_>, pair: &CoupledPair) -> Option<CoupledAxisMove> {
     let sign = pair.sign(channel.env.machine);
     let coupled = channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);

@@ -1,6 +1,7 @@
 //! Changes of the machine to a diagnostic before it is logged.
 //!
-//! Facts: reference control-emulator.md 7.5. *Invariant:* whether a diagnostic stops the channel does not depend on it.
+//! Facts: reference control-emulator.md 7.5. *Invariant:* these changes do not affect whether a diagnostic stops the
+//! channel.
 
 use counterpoint_machine::macros::model::Hook;
 
@@ -22,7 +23,7 @@ pub fn customised(
     by_machine(channel, macros, number, (severity, alarm), text).filter(|(severity, _)| !off || *severity >= ERROR)
 }
 
-/// The same by the rules of the machine, except for numbers that the job switches on.
+/// Severity and text by the rules of the machine, except for numbers that the job switches on.
 fn by_machine(
     channel: &mut ChannelContext<'_>,
     macros: &Runtime,
@@ -44,7 +45,7 @@ fn by_machine(
     let kept = alarm.then(|| (severity, text.clone()));
     let by_macro = macros.diagnostics.severities.get(&number).is_some_and(|(_, on)| *on);
     let on = by_macro || channel.env.options.warnings_on.contains(&number);
-    // The diagnostic macro sees numbers that are off too.
+    // The diagnostic macro also sees numbers that are switched off.
     let seen = on || macros.ready(Hook::Diagnostic).is_some();
     if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
         return table.shown(rule, severity, text).or(kept);

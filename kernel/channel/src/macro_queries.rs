@@ -29,7 +29,7 @@ pub fn adds_motion(channel: &ChannelContext<'_>) -> bool {
     channel.block.added.iter().any(|(id, _)| matches!(id.kind(), DataKind::Axis(_) | DataKind::Arc))
 }
 
-/// Data by which `$FCEDAC` fires the code of a group are in the block.
+/// Whether data by which `$FCEDAC` fires the code of a group are in the block.
 pub fn has_calling_data(channel: &ChannelContext<'_>, macros: &Runtime, group: u16) -> bool {
     let pairs = macros.modes.data_codes.as_slice();
     pairs.iter().any(|(id, of)| *of == group && block_has_data(channel, *id))
@@ -65,7 +65,7 @@ fn block_has_code(channel: &ChannelContext<'_>, id: CodeId) -> bool {
     waiting_code(channel, id).is_some()
 }
 
-/// Data are in the block.
+/// Whether data are in the block.
 pub fn block_has_data(channel: &ChannelContext<'_>, id: DataId) -> bool {
     let registers = channel.tables.data.registers_of[id];
     channel.block.present & registers != 0
@@ -105,7 +105,7 @@ pub fn row_of_code(channel: &ChannelContext<'_>, id: CodeId) -> Option<CodeRowId
     channel.tables.rows_of_code[id]
 }
 
-/// Whether a text contains a part.
+/// Whether a text contains another text.
 fn contains(text: &[u8], part: &[u8]) -> bool {
     let Some(at) = part.first().and_then(|first| memchr::memchr(*first, text)) else { return false };
     text.get(at..).is_some_and(|rest| memchr::memmem::find(rest, part).is_some())

@@ -41,7 +41,7 @@ pub fn group_queued(channel: &ChannelContext<'_>, group: u16) -> bool {
     channel.block.pending.iter().any(|f| channel.env.machine.codes[f.row].group == group)
 }
 
-/// By order, left to right among equals (insertion sort: a block has few codes).
+/// Sorts the codes by order, left to right among equals (insertion sort: a block has few codes).
 #[inline(always)]
 pub fn sort_codes(channel: &mut ChannelContext<'_>) {
     let pending = &mut channel.block.pending;
@@ -116,7 +116,7 @@ pub fn data_of_code(machine: &Machine, row: &CodeRow, pending: PendingCode) -> O
     }
 }
 
-/// The row that a value of a code passes: that of its register, or one that has none.
+/// The data row that takes a value of a code: the row of its register, or a row without a register.
 fn row_of_handed(machine: &Machine, data: DataId, register: RegisterId) -> Option<DataRowId> {
     let of = |wanted| machine.tables.data(data).iter().copied().find(|&row| machine.data[row].register == wanted);
     of(Some(register)).or_else(|| of(None))

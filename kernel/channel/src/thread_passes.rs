@@ -1,6 +1,6 @@
-//! How deep each pass of a thread goes.
+//! Depth of each pass of a thread.
 //!
-//! Facts: reference control-emulator.md 6.5. Modes: 0 steps fall evenly; 1 and 2 the same cross-section each pass,
+//! Facts: reference control-emulator.md 6.5. Modes: 0 steps decrease evenly; 1 and 2 the same cross-section each pass,
 //! s·√k; 3 and 4 the same step, k·s. *Invariant:* depths grow from pass to pass and end exactly at the depth less the
 //! finishing allowance; finishing passes go to the whole depth. There are [`MOST_PASSES`] at most.
 
@@ -36,7 +36,7 @@ pub struct ThreadPass {
 }
 
 impl ThreadPassPlan {
-    /// The passes, and whether there are more than may be.
+    /// The passes, and whether there are more than allowed.
     pub fn passes(&self) -> (Vec<ThreadPass>, bool) {
         let rough = (self.depth - self.finish).max(0.0);
         let mut passes = Vec::new();
@@ -62,7 +62,7 @@ impl ThreadPassPlan {
         (passes, cut_short)
     }
 
-    /// First step, and by how much each further one is smaller in mode 0.
+    /// First step, and the decrease of each further step in mode 0.
     fn steps(&self, rough: f64) -> (f64, f64) {
         let step = self.step.filter(|step| *step > 0.0 && step.is_finite());
         let count = self.cuts.map(|cuts| f64::from(cuts.max(1)));
@@ -83,7 +83,7 @@ impl ThreadPassPlan {
         }
     }
 
-    /// Step of a pass from the depth before.
+    /// Step of a pass from the previous depth.
     fn step_of(&self, number: u32, depth: f64, step: f64, less: f64) -> f64 {
         match self.mode {
             0 => step - f64::from(number - 1) * less,

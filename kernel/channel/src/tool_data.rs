@@ -1,9 +1,9 @@
 //! Data of the tools, reported whenever they change.
 //!
-//! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. The first that knows counts: the tool table as
-//! macros have written it, the machine's tools, the active offset while the tool was in use. Invariants: an event says
-//! all that is known about its tool, and is made only when that has changed; the tables of a run that ends are reported
-//! in the order of `$TLSORT`.
+//! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. Sources by precedence: the tool table as macros
+//! have written it, the machine's tools, the active offset while the tool was in use. *Invariants:* an event has all
+//! known data of its tool, and is made only if they have changed; at the end of a run the tables are reported in the
+//! order of `$TLSORT`.
 
 use counterpoint_event::event::{Kind, ToolData};
 use counterpoint_lang::value::MacroValue;
@@ -19,7 +19,7 @@ use crate::offset_tables::Radii;
 /// Tools that are reported; the tool table of macros has fewer rows.
 const MOST: usize = 1000;
 
-/// Characters of a name.
+/// Maximum characters of a name.
 const LONGEST_NAME: usize = 80;
 
 /// Reports the data of the tool in use. Called after the tool has been loaded or another offset has become active.
@@ -36,7 +36,7 @@ pub fn report_tool(channel: &mut ChannelContext<'_>, macros: &Runtime, has_hooks
     }
 }
 
-/// Macros have written into the tool table.
+/// Reports the loaded tools, after macros have written into the tool table.
 #[cold]
 pub fn report_tools(channel: &mut ChannelContext<'_>, macros: &Runtime) {
     for at in 0.. {
@@ -45,7 +45,7 @@ pub fn report_tools(channel: &mut ChannelContext<'_>, macros: &Runtime) {
     }
 }
 
-/// The program is over: the order of its tools, if `$TLSORT` asks for one.
+/// Reports changed tools at the end of the program, and the order of the tools if `$TLSORT` requests an order.
 pub fn report_order(channel: &mut ChannelContext<'_>, macros: &mut Runtime) {
     if macros.tools.take_changed() {
         report_tools(channel, macros);

@@ -23,7 +23,7 @@ pub use counterpoint_results::trace_lines::{
 /// Letter of actions. Most are read from the events; an action without an event is a line of its own.
 pub const ACTION: char = 'A';
 
-/// Adds a line of a letter, if it is wanted.
+/// Adds a line of a letter, if the trace has this letter.
 #[inline(always)]
 pub fn trace_line(channel: &mut ChannelContext<'_>, letter: char, line: impl FnOnce(&ChannelContext<'_>) -> String) {
     if channel.env.trace.is_some() {
@@ -106,7 +106,7 @@ pub fn trace_data(channel: &mut ChannelContext<'_>, id: DataId, value: f64) {
     trace_line(channel, 'C', |channel| data(channel.env.machine.data_name(id), value));
 }
 
-/// Adds an action that takes the place of that of the next event, if actions are wanted.
+/// Adds an action that replaces the action of the next event, if the trace has actions.
 pub fn trace_instead(channel: &mut ChannelContext<'_>, text: &str) {
     if traces(channel, ACTION) {
         let text = shortened(&action(text)).into();
@@ -114,8 +114,8 @@ pub fn trace_instead(channel: &mut ChannelContext<'_>, text: &str) {
     }
 }
 
-/// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z,
-/// their actions in any case.
+/// Whether the trace has lines of a letter for the current block. Blocks of stored files are shown only with the letter
+/// Z, their actions in any case.
 pub fn traces(channel: &ChannelContext<'_>, letter: char) -> bool {
     let Some(letters) = channel.env.trace else { return false };
     letters.has(letter) && (letter == ACTION || letters.has('Z') || !channel.env.info.is_stored(channel.at.file))
@@ -126,7 +126,7 @@ fn word_line(channel: &ChannelContext<'_>, index: usize) -> String {
     word(register, &value)
 }
 
-/// A word as its register writes it.
+/// A word in the format of its register.
 fn text_of_word(channel: &ChannelContext<'_>, index: usize) -> Option<String> {
     let (name, value) = written_word(channel, index)?;
     let word = channel.block.words.get(index)?;
@@ -135,7 +135,7 @@ fn text_of_word(channel: &ChannelContext<'_>, index: usize) -> Option<String> {
     Some(format!("{before}{value}{}", register.after))
 }
 
-/// Name and number of a word as its register writes them.
+/// Name and number of a word, in the format of its register.
 fn written_word<'c>(channel: &'c ChannelContext<'_>, index: usize) -> Option<(&'c str, String)> {
     let word = channel.block.words.get(index)?;
     let register = &channel.env.machine.registers[word.register];

@@ -10,18 +10,18 @@ use counterpoint_motion::space::SpaceArc;
 use crate::channel_axis::FIRST_AXES;
 use crate::channel_context::ChannelContext;
 
-/// An axis beyond its limits, where it is, and the limits.
+/// An axis beyond its limits, its position, and the limits.
 pub type Over = (AxisId, f64, [f64; 2]);
 
 /// A circle in a plane: its axes, the circle in radius values, and the factors to those.
 type Round = ([AxisSlot; 2], arc::PlaneArc, [f64; 2]);
 
-/// Which limits.
+/// The kind of limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
-    /// Those of the machine.
+    /// Limits of the machine.
     Travel,
-    /// Those of the program.
+    /// Limits of the program.
     Area,
 }
 
@@ -35,12 +35,12 @@ pub const FEWEST_DIGITS: usize = 4;
 /// of rotation the axes get at most 0.01 mm further between two places.
 const PLACES_PER_DEGREE: f64 = 2.0;
 
-/// Fewest and most places of a move.
+/// Fewest and most checked positions of a move.
 const MIN_PLACES: f64 = 16.0;
 
 const MAX_PLACES: f64 = 20_000.0;
 
-/// The place of a move, straight or on its circle, after this share of it.
+/// The position after this fraction of a move, straight or on its circle.
 pub fn place_along(motion: &Motion, round: &Option<Round>, share: f64) -> Position {
     let mut place = motion.from;
     for (slot, end) in place.iter_mut().zip(&motion.to) {
@@ -64,7 +64,7 @@ pub fn leads_beyond(channel: &ChannelContext<'_>, motion: &Motion, limits: Limit
     if over.is_none() && channel.state.place.tip().is_some() { follows_beyond(channel, motion, limits) } else { over }
 }
 
-/// The linear axes follow the rotary ones under tool tip control: looks at places along the move.
+/// The linear axes follow the rotary axes under tool tip control: checks positions along the move.
 #[cold]
 fn follows_beyond(channel: &ChannelContext<'_>, motion: &Motion, limits: LimitKind) -> Option<Over> {
     let chain = &channel.state.place.tip()?.chain;
@@ -105,8 +105,8 @@ fn swings_beyond(channel: &ChannelContext<'_>, motion: &Motion, limits: LimitKin
         .find_map(|(side, axis)| turns_beyond(channel, &motion.to, axis, made.turning_points(side), (slack, limits)))
 }
 
-/// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
-/// open.
+/// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` means that this is
+/// not certain.
 #[inline(always)]
 pub fn stays_within_travel(channel: &ChannelContext<'_>, motion: &Motion) -> bool {
     let swing = match motion.kind {
@@ -132,7 +132,7 @@ pub fn stays_within_travel(channel: &ChannelContext<'_>, motion: &Motion) -> boo
     within
 }
 
-/// The last axis of the channel that is beyond its limits at a place.
+/// The last axis of the channel that is beyond its limits at a position.
 pub fn beyond(channel: &ChannelContext<'_>, place: &Position, slack: f64, limits: LimitKind) -> Option<Over> {
     let point = match limits {
         LimitKind::Travel => channel.state.place.machine_point(place),

@@ -70,7 +70,7 @@ pub fn words_needed(channel: &ChannelContext<'_>, text: &str) -> Option<String> 
     }
 }
 
-/// Whether this is an address alone.
+/// Whether the text is an address without a number.
 pub fn is_letter(channel: &ChannelContext<'_>, text: &str) -> bool {
     match text.as_bytes() {
         [letter] => channel.tables.scanner.register(*letter).is_some(),

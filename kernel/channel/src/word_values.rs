@@ -101,13 +101,13 @@ pub fn recall(channel: &ChannelContext<'_>, id: DataId) -> Option<RetrievedValue
     Some(RetrievedValue { value, incremental: false, absolute: false, raw: value })
 }
 
-/// The same for the positions of an axis that have words of their own.
+/// Diameter factor for the positions of an axis that have words of their own.
 pub fn axis_diameter_factor(channel: &ChannelContext<'_>, axis: AxisSlot) -> f64 {
     let is_x = channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
     if is_x && !channel.tables.data.diameter_x.is_empty() { channel.diameter_factor() } else { 1.0 }
 }
 
-/// The same value with the factor of its row, in the unit of the program.
+/// Value that a code hands over, with the factor of its row, in the unit of the program.
 #[cold]
 pub fn handed_value(machine: &Machine, handed: Handed) -> f64 {
     handed.row.map_or(handed.raw, |at| {
