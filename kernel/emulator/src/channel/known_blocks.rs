@@ -56,7 +56,7 @@ pub(crate) fn may_only_lead_on(channel: &ChannelContext<'_>, flow: &ProgramFlow)
     flow.pending.is_some() || channel.block.pending.is_empty()
 }
 
-/// Keeps the block if it did nothing but lead on. Its words have acted.
+/// Keeps the block if it only continued the flow of the program. Its words have acted.
 #[inline(never)]
 pub(crate) fn keep_block(plan: &ExecutionPlan, channel: &ChannelContext<'_>, flow: &mut ProgramFlow, text: &[u8]) {
     let block = &channel.block;

@@ -1,4 +1,4 @@
-//! Where a called program or range of blocks is looked for.
+//! Search for a called program or range of blocks.
 //!
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) other places. These are files beside the program that are named after the
@@ -16,7 +16,7 @@ use counterpoint_program::shape::ProgramRange;
 
 use super::Kernel;
 
-/// A place to look in. The names of files are made when their turn comes.
+/// A place to search. The names of files are made when their turn comes.
 #[derive(Debug, Clone, Copy)]
 enum SearchLocation {
     /// The file of the program that calls, by definition word.
@@ -178,7 +178,7 @@ impl Kernel<'_> {
         (format!("{folder}{stem}_{id}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
 
-    /// The file of the machine's placement where something missing was looked for.
+    /// The file of the machine's placement in which something missing was searched.
     pub fn looked_for(&self, what: &Callee) -> String {
         let main =
             || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
@@ -193,7 +193,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Where a missing program was looked for.
+    /// Places of the search for a missing program.
     pub(crate) fn places(&self, what: &Callee) -> String {
         let (each, one) = self.subprogram_files(what);
         let first = match self.channel.env.machine.subprograms.placement {

@@ -30,7 +30,7 @@ use crate::pipeline::edit::reshape;
 use crate::pipeline::long_comments::pass_long_comment;
 use crate::pipeline::process_block;
 
-/// Feed while blocks are only read: their times count for nothing.
+/// Feed while blocks are only read; their times have no effect.
 const READING_FEED: f64 = 1000.0;
 
 /// Executes a cycle along contour blocks.
@@ -85,7 +85,7 @@ fn cycle_along_program(kernel: &mut Kernel<'_>, cycle: &ContourCycle, number: u3
     (kernel.plan.actions.cut_contour)(kernel, cycle, reading)
 }
 
-/// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
+/// Runs the contour as blocks of the program; at the end the tool returns to its current position.
 fn run_contour(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart, what: Callee, back: Option<u8>) -> Acted {
     kernel.check_nesting(|| what.to_string())?;
     let here = kernel.channel.at.file;
@@ -103,7 +103,7 @@ fn run_contour(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart, wha
     Ok(())
 }
 
-/// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
+/// Returns the tool after the contour, by moves of the cycle. Axes that leave the part move first.
 pub(crate) fn end_contour(kernel: &mut Kernel<'_>, (back, off): &(Position, u8)) -> Acted {
     if let Some(place) = kernel.flow.frame().map(|frame| {
         let line = if frame.offset == 0 { frame.next.saturating_sub(1) } else { frame.next };
@@ -166,7 +166,7 @@ pub(crate) fn read_subprogram(kernel: &mut Kernel<'_>, call: SubprogramCall) -> 
     Ok(())
 }
 
-/// Lets blocks be read: their moves are recorded in a plane, and none of their changes remain.
+/// Reads blocks: their moves are recorded in a plane, and none of their changes remain.
 fn read_as_contour(
     kernel: &mut Kernel<'_>,
     plane: Option<LathePlane>,
@@ -206,7 +206,7 @@ fn read_as_contour(
     Ok(std::mem::take(&mut kernel.channel.state.others.turning.reading))
 }
 
-/// Reads the blocks from the first to the last one.
+/// Reads the blocks from the first to the last block.
 fn read_blocks(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart) -> Acted {
     if let Some(frame) = kernel.flow.frame() {
         (frame.next, frame.offset) = (first.line, first.offset);
@@ -247,7 +247,7 @@ fn read_blocks(kernel: &mut Kernel<'_>, first: BlockStart, last: BlockStart) -> 
     }
 }
 
-/// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
+/// Position of the blocks: the first blocks with these numbers in the program, the last block not before the first.
 fn contour_blocks(
     channel: &ChannelContext<'_>,
     flow: &mut ProgramFlow,

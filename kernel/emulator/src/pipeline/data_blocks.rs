@@ -1,7 +1,7 @@
 //! Data blocks of the program: parameters and tool life, which G10 begins and G11 ends.
 //!
 //! Facts: general CNC practice (Fanuc G10 L50). Decision: parameters and tool lives are not kept here, so their blocks
-//! are passed with one note. *Invariant:* a block of data neither moves an axis nor selects a tool; its lines are
+//! are skipped with one note. *Invariant:* a block of data neither moves an axis nor selects a tool; its lines are
 //! counted as work.
 
 use counterpoint_fault as diag;

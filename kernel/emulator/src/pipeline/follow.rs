@@ -119,7 +119,7 @@ impl Kernel<'_> {
         self.jump_to(BlockStart::line(line))
     }
 
-    /// The same for a block of a line.
+    /// Continues at a block of a line; a jump back ends a pass of a loop.
     pub(crate) fn jump_to(&mut self, target: BlockStart) -> Acted {
         let Some(frame) = self.flow.frame() else { return Ok(()) };
         // After a return this is the line of the call.
@@ -249,7 +249,7 @@ fn call_range(kernel: &mut Kernel<'_>, what: Callee, passes: u32) -> Acted {
     Ok(())
 }
 
-/// Return of a subprogram, or of the main program.
+/// Returns from a subprogram, or from the main program.
 pub fn return_from(kernel: &mut Kernel<'_>, target: Option<u32>) -> Acted {
     if kernel.flow.frames.len() <= 1 {
         return main_return(kernel, target);

@@ -15,7 +15,7 @@ use crate::channel::plan::ExecutionPlan;
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;
 
-/// The same for a code that data fire: it acts only if some of them are left by then.
+/// Queues the modal code of a group that data fire; the code acts only if some of the data are left by then.
 pub fn queue_by_data(plan: &ExecutionPlan, channel: &mut ChannelContext<'_>, group: u16) {
     let before = channel.block.pending.len();
     queue_modal(channel, group);

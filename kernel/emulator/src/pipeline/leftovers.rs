@@ -137,7 +137,7 @@ fn leftover_word(kernel: &mut Kernel<'_>, (position, register): (usize, Register
     }
 }
 
-/// Where the last word of the same address is, if there is a later one.
+/// Position of the last word of the same address, if there is a later word.
 fn later_word(channel: &ChannelContext<'_>, register: RegisterId, position: usize) -> Option<(u32, u32)> {
     let words = channel.block.words.get(position + 1..)?;
     words.iter().rfind(|word| word.register == register).map(|word| (word.start, word.end))

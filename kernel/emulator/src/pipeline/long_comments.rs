@@ -30,6 +30,6 @@ pub(crate) fn pass_long_comment(kernel: &mut Kernel<'_>, source: &ProgramSource,
     };
     let ended = source.line(number).get(after..).unwrap_or_default().trim_ascii().is_empty();
     (frame.next, frame.offset) = if ended { (number + 1, 0) } else { (number, after as u32) };
-    // A line that is passed is much less work than a block.
+    // A skipped line is much less work than a block.
     kernel.work(number.saturating_sub(line) as usize / 16)
 }

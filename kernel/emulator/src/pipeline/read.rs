@@ -62,7 +62,7 @@ impl Kernel<'_> {
             // The lines of the text may not all be known.
             return Err(Halt::Stopped);
         }
-        // Another kernel may have been faster.
+        // Another kernel may have loaded the text in the meantime.
         self.channel.env.sources.put(file, source, &entry.text);
         match failure {
             None => Ok(()),
@@ -148,7 +148,7 @@ fn one_block(kernel: &mut Kernel<'_>) -> Acted {
     kernel.follow()
 }
 
-/// Says that results cannot show the text of a file as it was written.
+/// Reports that results cannot show the original text of a file.
 #[cold]
 fn check_encoding(kernel: &mut Kernel<'_>, source: &ProgramSource) {
     let Err(error) = std::str::from_utf8(source.text().bytes()) else { return };
@@ -179,7 +179,7 @@ fn last_of_tape(kernel: &mut Kernel<'_>, block: &[u8], (file, line): (FileId, u3
     }
 }
 
-/// Counts the block, publishes how far this kernel is, and checks the limits.
+/// Counts the block, publishes the progress of this kernel, and checks the limits.
 #[inline(always)]
 pub fn begin_block(kernel: &mut Kernel<'_>) -> Acted {
     use std::sync::atomic::Ordering::Relaxed;
@@ -223,7 +223,7 @@ fn now_and_then(kernel: &mut Kernel<'_>) -> Acted {
     if kernel.channel.state.place.frames.is_some() { kernel.flush_old() } else { Ok(()) }
 }
 
-/// A rewind-stop: opens the text, closes it, or is ignored with a warning.
+/// Handles a rewind-stop: it opens or closes the text, or is ignored with a warning.
 fn rewind_stop(kernel: &mut Kernel<'_>, source: &ProgramSource, line: u32) -> Acted {
     if !kernel.flow.opened {
         kernel.flow.opened = true;

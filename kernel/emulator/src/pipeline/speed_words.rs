@@ -21,7 +21,7 @@ use crate::channel::unknown_codes::machine_text;
 /// Puts a speed that no code of the block takes before the move of the block.
 ///
 /// # Errors
-/// The alarm of a speed that may be that of another spindle.
+/// The alarm of a speed that may belong to another spindle.
 #[cold]
 pub(super) fn speed_before_codes(kernel: &mut Kernel<'_>) -> Acted {
     let (mut moves, mut modes, mut limits, mut function) = (false, false, false, None);

@@ -1,6 +1,6 @@
 //! Programs that look like inches and name no unit.
 //!
-//! *Invariant:* nothing here changes the effect of a block. Only the start of a text is looked at.
+//! *Invariant:* nothing here changes the effect of a block. Only the start of a text is checked.
 
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
@@ -8,7 +8,7 @@ use counterpoint_machine::length_units::unit_codes;
 
 use crate::channel::Kernel;
 
-/// Bytes that are looked at.
+/// Number of bytes to check.
 const LOOKED_AT: usize = 64 << 10;
 
 /// Coordinates with four digits after the point that a program in inches has at least.
