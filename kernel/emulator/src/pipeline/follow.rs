@@ -225,8 +225,8 @@ fn call_figure(kernel: &mut Kernel<'_>, program: u32, passes: u32, figure: Box<C
     Ok(())
 }
 
-/// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
-/// current file (reference control-emulator.md 5.7).
+/// Blocks of the current file from the first block with a sequence number or label to the next block with another, both
+/// included (reference control-emulator.md 5.7).
 fn call_range(kernel: &mut Kernel<'_>, what: Callee, passes: u32) -> Acted {
     kernel.check_nesting(|| what.to_string())?;
     kernel.check_levels(false, &what)?;
