@@ -153,6 +153,60 @@ fn what_decides_the_cycle_time_is_analysed() {
     assert!(code(&wrong) == 2 && String::from_utf8_lossy(&wrong.stderr).contains("(channels: 1, 2)"));
 }
 
+/// 100 mm at 100 mm/s and 1000 mm/s²: the rapid takes 1.1 s and is half way after 0.55 s. Then the upper turret waits for
+/// the lower one, which dwells 5 s.
+#[test]
+fn an_instant_and_the_times_of_a_block_are_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG28 W0\nG0 Z400.\nM101 P12\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nG4 P5000\nM101 P12\nM30\n");
+    let machine = "extends = \"fanuc-2path-lathe\"\n[ce]\nname = \"mine\"\n[[axes]]\nname = \"Z1\"\nrapid = 6000\n\
+                   home = 500\nacceleration = 1000\n";
+    let mine = folder.path().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    program(&mine, "machine.toml", machine);
+    let out = folder.path().join("out").display().to_string();
+    let mine = mine.display().to_string();
+    let run = |more: &[&str]| {
+        let output =
+            counterpoint(&[&["run", "-q", "--machine", &mine, &upper, &lower, "--out", &out][..], more].concat());
+        assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let ask = |arguments: &[&str]| {
+        let output = counterpoint(arguments);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        (code(&output), text)
+    };
+    run(&["--law"]);
+    let (_, json) = ask(&["where", &out, "upper.nc:3", "--json"]);
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found[0]["dur_ns"].as_i64(), Some(1_100_000_000), "{found}");
+    let start = found[0]["t_ns"].as_i64().unwrap();
+    let middle = format!("{}ms", (start + 550_000_000) / 1_000_000);
+    let (_, json) = ask(&["at", &out, &middle, "--json"]);
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let z = found["channels"][0]["position"]["Z"].as_f64().unwrap();
+    let [from, to] = [0, 1].map(|end| found["channels"][0]["action"]["ends"][end]["Z"].as_f64().unwrap());
+    assert!((z - f64::midpoint(from, to)).abs() < 1e-9 && (to - from).abs() > 99.0, "{found}");
+    let (status, text) = ask(&["at", &out, "2", "--channel", "1"]);
+    assert!(status == 0 && text.contains("M101 P12") && text.contains("channel 2"), "{text}");
+    assert!(!text.contains("LOWER"), "{text}");
+    assert_eq!(ask(&["where", &out, "upper.nc:99"]).0, 1);
+    for (wrong, hint) in [
+        (&["at", &out, "1h"][..], "12.5"),
+        (&["at", &out, "99"], "the job ends at"),
+        (&["at", &out, "1", "--channel", "9"], "no channel 9"),
+        (&["at", "./missing", "1"], "no folder './missing'"),
+        (&["where", &out, "upper.nc"], "part.nc:120"),
+    ] {
+        let (status, text) = ask(wrong);
+        assert!(status == 2 && text.contains(hint), "{wrong:?} {text}");
+    }
+    run(&[]);
+    let (_, text) = ask(&["at", &out, &middle]);
+    assert!(text.contains("--law"), "{text}");
+}
+
 /// Both turrets reach #100, and nothing orders them.
 #[test]
 fn an_analysis_of_a_failed_job_ends_with_an_error() {

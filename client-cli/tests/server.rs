@@ -35,6 +35,25 @@ fn several_jobs_are_awaited_and_each_end_names_its_job() {
     assert_eq!((code, talk.as_str()), (0, ""));
 }
 
+/// 60 mm at 600 mm/min take 6 s without accelerations; after half of the move X is half way.
+#[test]
+fn an_instant_of_a_job_of_the_server_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), ServerOptions::default());
+    let cut = program(folder.path(), "cut.nc", "O1\nG21 G90 G94 G0 X0.\nG1 X60. F600.\nM30\n");
+    let (code, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", "--time", "simple", "--law", &cut]);
+    assert_eq!((code, server.call(&["wait", "--quiet", &job]).0), (0, 0), "{talk}");
+    let (_, times, _) = server.call(&["where", &job, "cut.nc:3", "--json"]);
+    let times: serde_json::Value = serde_json::from_str(&times).unwrap();
+    let [start, takes] = ["t_ns", "dur_ns"].map(|name| times[0][name].as_i64().unwrap());
+    assert_eq!(takes, 6_000_000_000, "{times}");
+    let (code, state, talk) = server.call(&["at", &job, &format!("{}ms", (start + takes / 2) / 1_000_000), "--json"]);
+    let state: serde_json::Value = serde_json::from_str(&state).expect(&talk);
+    let x = state["channels"][0]["position"]["X"].as_f64().unwrap();
+    // The start is not at a whole millisecond.
+    assert!(code == 0 && (x - 30.0).abs() < 0.02, "{state}");
+}
+
 /// `submit` offers no answer to a job that waits for a client, so the commands that show the job name the next command.
 #[test]
 fn a_job_that_waits_for_a_client_or_is_paused_says_so() {
