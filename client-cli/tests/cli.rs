@@ -153,8 +153,8 @@ fn what_decides_the_cycle_time_is_analysed() {
     assert!(code(&wrong) == 2 && String::from_utf8_lossy(&wrong.stderr).contains("(channels: 1, 2)"));
 }
 
-/// 100 mm at 100 mm/s and 1000 mm/s²: the rapid takes 1.1 s and is half way after 0.55 s. Then the upper turret waits for
-/// the lower one, which dwells 5 s.
+/// 100 mm at 100 mm/s and 1000 mm/s²: the rapid takes 1.1 s and has covered half of its length after 0.55 s. Then the
+/// upper turret waits for the lower turret, which dwells for 5 s.
 #[test]
 fn an_instant_and_the_times_of_a_block_are_shown() {
     let folder = tempfile::tempdir().unwrap();

@@ -35,7 +35,7 @@ fn several_jobs_are_awaited_and_each_end_names_its_job() {
     assert_eq!((code, talk.as_str()), (0, ""));
 }
 
-/// 60 mm at 600 mm/min take 6 s without accelerations; after half of the move X is half way.
+/// 60 mm at 600 mm/min take 6 s without accelerations; after half of this time X has covered half of its travel.
 #[test]
 fn an_instant_of_a_job_of_the_server_is_shown() {
     let folder = tempfile::tempdir().unwrap();
