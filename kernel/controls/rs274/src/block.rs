@@ -54,6 +54,8 @@ pub(super) struct BlockModes {
     pub(super) inverse_time: bool,
     /// A feed is active.
     pub(super) has_feed: bool,
+    /// The letter of the centre along the axis that is not in the active plane.
+    pub(super) off_plane: u8,
 }
 
 fn refused(error: u8, text: impl Into<String>) -> Rs274Mistake {
@@ -221,10 +223,13 @@ impl BlockWords {
             return Err(refused(30, format!("G53 needs G0 or G1, but {name} is active")));
         }
         let firmware = modes.kind.is_firmware();
-        if firmware && explicit && !self.has_axes() && motion != 0 && !self.has(b'f') && !modes.has_feed {
+        let inverse = (modes.inverse_time || self.has_g(930)) && !self.has_g(940) && !self.has_g(950);
+        let has_feed = self.get(b'f').map_or(modes.has_feed, |feed| feed != 0.0);
+        let feeds = matches!(motion, 10 | 20 | 30) || firmware && motion != 0;
+        if explicit && !self.has_axes() && feeds && !has_feed && !inverse {
             return Err(refused(22, format!("no feed rate is programmed for {name}")));
         }
-        if matches!(motion, 20 | 30) && (firmware || self.has_axes() || self.has_offsets() || self.has(b'r')) {
+        if matches!(motion, 20 | 30) && (explicit || self.has_axes() || self.has_offsets() || self.has(b'r')) {
             // A full circle of grblHAL needs no end point.
             if firmware && !self.has_axes() && (modes.kind == Rs274Kind::Grbl || self.has(b'r')) {
                 return Err(refused(26, format!("{name} has no axis word")));
@@ -235,9 +240,14 @@ impl BlockWords {
             if self.has(b'r') && self.has_offsets() {
                 return Err(refused(36, format!("{name} has a centre and a radius: remove one of them")));
             }
+            let planes = [(170, b'k'), (180, b'j'), (190, b'i')];
+            let own = planes.iter().find(|(code, _)| self.has_g(*code)).map_or(modes.off_plane, |(_, letter)| *letter);
+            if !firmware && self.has(own) {
+                let letter = char::from(own.to_ascii_uppercase());
+                return Err(refused(20, format!("{letter} is not in the plane of {name}: remove it, even {letter}0")));
+            }
         }
         let cuts = matches!(motion, 10 | 20 | 30) && (self.has_axes() || self.has_offsets() || explicit);
-        let inverse = (modes.inverse_time || self.has_g(930)) && !self.has_g(940) && !self.has_g(950);
         if cuts && inverse && !self.has(b'f') && (self.has_axes() || self.has_offsets()) {
             return Err(refused(22, format!("{name} under G93 needs F in its block")));
         }
@@ -382,7 +392,7 @@ mod tests {
             block.add(word, kind).map_err(|mistake| mistake.error)?;
         }
         block
-            .check(BlockModes { kind, motion, inverse_time: false, has_feed: true })
+            .check(BlockModes { kind, motion, inverse_time: false, has_feed: true, off_plane: b'k' })
             .map_err(|mistake| mistake.error)?;
         Ok(block.motion)
     }
@@ -422,7 +432,8 @@ mod tests {
             assert_eq!(checked(text, true, 0), Err(error), "{text}");
         }
         assert_eq!(checked("x1", true, NO_MOTION), Err(31));
-        for text in ["g33 z1 k1 f1", "m19 r361", "m19 p3", "m19 q0", "g4 p1 g2 x1 i1"] {
+        for text in ["g33 z1 k1 f1", "m19 r361", "m19 p3", "m19 q0", "g4 p1 g2 x1 i1", "g2 x1 i1 k0", "g18 g3 x1 i1 j0"]
+        {
             assert_eq!(checked(text, false, 0), Err(20), "{text}");
         }
         assert_eq!(checked("g2 x1 i1 p0", false, 0), Err(23));

@@ -111,7 +111,13 @@ impl Rs274 {
         }
         let inverse_time = host.is_active(ids::FEED_1T);
         let has_feed = host.feed() > 0.0;
-        words.check(BlockModes { kind: self.kind, motion: self.modes.motion, inverse_time, has_feed })?;
+        let off_plane = match () {
+            () if host.is_active(ids::PLANE_ZX) => b'j',
+            () if host.is_active(ids::PLANE_YZ) => b'i',
+            () => b'k',
+        };
+        let modes = BlockModes { kind: self.kind, motion: self.modes.motion, inverse_time, has_feed, off_plane };
+        words.check(modes)?;
         self.own_functions(host, &words)?;
         let has = |code: &[u16]| words.g.iter().any(|(known, _)| code.contains(known));
         let statement = has(&[100, 281, 301, 520, 920, 921, 922, 923]);
