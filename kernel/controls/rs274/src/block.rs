@@ -54,7 +54,7 @@ pub(super) struct BlockModes {
     pub(super) inverse_time: bool,
     /// A feed is active.
     pub(super) has_feed: bool,
-    /// The letter of the centre along the axis that is not in the active plane.
+    /// Letter of the centre coordinate (I, J or K) perpendicular to the active plane.
     pub(super) off_plane: u8,
 }
 
@@ -244,7 +244,7 @@ impl BlockWords {
             let own = planes.iter().find(|(code, _)| self.has_g(*code)).map_or(modes.off_plane, |(_, letter)| *letter);
             if !firmware && self.has(own) {
                 let letter = char::from(own.to_ascii_uppercase());
-                return Err(refused(20, format!("{letter} is not in the plane of {name}: remove it, even {letter}0")));
+                return Err(refused(20, format!("{letter} is not in the plane of {name}: remove {letter}, even {letter}0")));
             }
         }
         let cuts = matches!(motion, 10 | 20 | 30) && (self.has_axes() || self.has_offsets() || explicit);
