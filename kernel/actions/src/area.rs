@@ -2,10 +2,12 @@
 //!
 //! Facts: see `counterpoint_channel::area`. *Invariant:* no axis moves.
 
-use crate::context::ActionContext;
-use crate::entry::ActionEntry;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::motion::take_axis;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -17,7 +19,7 @@ pub(crate) const ENTRIES: &[ActionEntry] = &[
 
 fn limits(act: &mut ActionContext<'_, '_>, high: bool) -> Acted {
     for axis in act.channel().state.place.layout.axes.ids() {
-        let Some(datum) = act.take_axis(axis).filter(|datum| datum.value.is_finite()) else { continue };
+        let Some(datum) = take_axis(act, axis).filter(|datum| datum.value.is_finite()) else { continue };
         if let Some(side) = act.channel_mut().work_area().side(axis, high) {
             side.limit = Some(datum.value);
         }

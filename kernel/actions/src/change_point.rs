@@ -3,12 +3,14 @@
 //! Facts: reference control-emulator.md 6.1, 6.3. Decision: like the reference point, with coded axes via the given
 //! point and only those, without any all axes that have a position.
 
-use crate::context::ActionContext;
-use crate::entry::ActionEntry;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::motion::rapid_to;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -22,11 +24,11 @@ pub(crate) fn go(act: &mut ActionContext<'_, '_>) -> Acted {
         Some(act.channel().state.place.machine_point(&act.channel().state.place.position));
     if act.channel().env.machine.habits.home == Home::Machine {
         let (coded, target) = super::home::machine_targets(act);
-        return if coded == 0 { to_point(act, 0) } else { act.rapid_to(coded, target) };
+        return if coded == 0 { to_point(act, 0) } else { rapid_to(act, coded, target) };
     }
     let (coded, via) = act.targets();
     if coded != 0 {
-        act.rapid_to(coded, via)?;
+        rapid_to(act, coded, via)?;
     }
     to_point(act, coded)
 }
@@ -60,7 +62,7 @@ fn to_point(act: &mut ActionContext<'_, '_>, coded: u8) -> Acted {
         let text = format!("no tool-change position is defined for every axis of '{}'", act.channel().block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
-    act.rapid_to(moving, target)
+    rapid_to(act, moving, target)
 }
 
 /// Back: to the programmed point, or to where the axes were.
@@ -68,7 +70,7 @@ pub(crate) fn come_back(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     let before = act.channel_mut().state.others.before_change.take();
     if coded != 0 {
-        return act.rapid_to(coded, target);
+        return rapid_to(act, coded, target);
     }
     match before {
         Some(before) => {
@@ -83,7 +85,7 @@ pub(crate) fn come_back(act: &mut ActionContext<'_, '_>) -> Acted {
                 .take(act.channel().state.place.layout.axes.len())
                 .enumerate();
             let moving = moved.filter(|(_, (now, then))| now != then).fold(0, |bits, (at, _)| bits | 1_u8 << at);
-            act.rapid_to(moving, before)
+            rapid_to(act, moving, before)
         }
         None => {
             let text = format!(

@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 6.6, system-variables.md 7. Decisions: docs/emulation.md, "Offsets".
 
+use counterpoint_channel::compensation::number_of;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
@@ -11,7 +12,7 @@ use counterpoint_program::block::ContourEnd;
 use super::tool_offsets::take_diameter;
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use counterpoint_channel::compensation::number_of;
+use crate::frame::missing_work_offset;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -34,7 +35,7 @@ pub(crate) fn extended(act: &mut ActionContext<'_, '_>) -> Acted {
         return Ok(());
     };
     let number = number_of(range.unwrap_or(1), register);
-    act.missing_work_offset(number);
+    missing_work_offset(act, number);
     let before = std::mem::replace(&mut act.channel_mut().state.place.in_force.work_offset, number);
     super::local::exchange_shifts(act, before, number);
     let text = match range {

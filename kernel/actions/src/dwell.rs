@@ -1,17 +1,16 @@
 //! Dwells: seconds or spindle revolutions.
 
-use counterpoint_fault::Acted;
-use counterpoint_lang::format::wildcard_text;
-
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::plausible::{LONGEST_DWELL, hours};
 use counterpoint_channel::spindle::stopped;
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::ident::{DataId, data};
+use counterpoint_fault::Acted;
+use counterpoint_lang::format::wildcard_text;
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::law::SpindleRotation;
+
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -21,7 +20,7 @@ pub(crate) const ENTRIES: &[ActionEntry] = &[
 
 /// Dwell in seconds.
 pub(crate) fn seconds(act: &mut ActionContext<'_, '_>) -> Acted {
-    let Some(seconds) = act.take_seconds(data::DELAY) else {
+    let Some(seconds) = take_seconds(act, data::DELAY) else {
         if act.channel().env.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(act);
         }
@@ -42,28 +41,26 @@ pub(crate) fn revolutions(act: &mut ActionContext<'_, '_>) -> Acted {
     turns(act, datum.value)
 }
 
-impl ActionContext<'_, '_> {
-    /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
-    pub(crate) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.channel().env.machine.habits.dwell.pointed && self.is_pointed(id);
-        self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
-    }
+/// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
+pub(crate) fn take_seconds(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
+    let pointed = act.channel().env.machine.habits.dwell.pointed && is_pointed(act, id);
+    act.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
+}
 
-    /// Takes a factor. On some controls a decimal point makes it the factor itself.
-    pub(crate) fn take_factor(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.channel().env.machine.habits.pointed_factors && self.is_pointed(id);
-        self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
-    }
+/// Takes a factor. On some controls a decimal point makes it the factor itself.
+pub(crate) fn take_factor(act: &mut ActionContext<'_, '_>, id: DataId) -> Option<f64> {
+    let pointed = act.channel().env.machine.habits.pointed_factors && is_pointed(act, id);
+    act.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
+}
 
-    /// Whether the word that supplies a value counts thousandths or less and has a decimal point.
-    fn is_pointed(&self, id: DataId) -> bool {
-        let sources = self.sources(id).iter();
-        let found = sources.filter_map(|source| Some((source.mul, self.channel().block.look(source.register)?))).next();
-        let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
-        let text = self.channel().word_bytes(&word);
-        // A point within an expression is not a written point.
-        mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
-    }
+/// Whether the word that supplies a value counts thousandths or less and has a decimal point.
+fn is_pointed(act: &ActionContext<'_, '_>, id: DataId) -> bool {
+    let sources = act.sources(id).iter();
+    let found = sources.filter_map(|source| Some((source.mul, act.channel().block.look(source.register)?))).next();
+    let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
+    let text = act.channel().word_bytes(&word);
+    // A point within an expression is not a written point.
+    mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
 }
 
 fn turns(act: &mut ActionContext<'_, '_>, revolutions: f64) -> Acted {

@@ -4,18 +4,20 @@
 //! of the control; reference control-emulator.md 5.6 for comments. *Invariant:* a text that cannot be engraved as a
 //! whole moves nothing.
 
-use counterpoint_channel::text;
-use counterpoint_motion::contour::element::Spot;
-use counterpoint_motion::lettering::{self, GAP};
-
-use crate::context::ActionContext;
-use crate::entry::ActionEntry;
 use counterpoint_channel::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::contour::element::Spot;
+use counterpoint_motion::lettering;
+use counterpoint_motion::lettering::GAP;
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::motion::{feed_to_point, programmed_targets, rapid_to_point};
+use crate::time::check_feed;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::ENGRAVE], |act, _, _| engrave(act))];
@@ -43,7 +45,7 @@ fn engrave(act: &mut ActionContext<'_, '_>) -> Acted {
     let plunge = value(act, data::ENGRAVE_PLUNGE);
     let clear = value(act, data::ENGRAVE_CLEAR);
     let (feed, unit) = act.feed();
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     let Some(text) = text(act, kind)? else { return Ok(()) };
     if let Some(letter) = lettering::unknown(&text) {
         return refuse(act, &format!("there is no letter for '{letter}'"));
@@ -68,7 +70,7 @@ fn engrave(act: &mut ActionContext<'_, '_>) -> Acted {
     if lie.clear <= lie.depth {
         return refuse(act, &format!("the return plane {} is not above the depth {}", lie.clear, lie.depth));
     }
-    act.check_feed(feed)?;
+    check_feed(act, feed)?;
     if kind == 1.0 {
         let number = act.common(SERIAL)?;
         act.set_common(SERIAL, number + 1.0)?;
@@ -81,7 +83,7 @@ fn text(act: &mut ActionContext<'_, '_>, kind: f64) -> Result<Option<String>, Ha
     if (32.0..=126.0).contains(&kind) {
         return Ok(Some(char::from(kind as u8).to_string()));
     }
-    let remark = remark(text::current_text(act.channel()));
+    let remark = remark(counterpoint_channel::text::current_text(act.channel()));
     let Some(remark) = remark.filter(|_| kind == 0.0 || kind == 1.0) else {
         let why = match kind {
             0.0 | 1.0 => "the text in parentheses is missing".to_owned(),
@@ -135,18 +137,18 @@ fn cut(
         place
     };
     let mut over = at(act.channel().state.place.programmed().at(z), [0.0; 2]);
-    act.rapid_to_point(flat, over)?;
+    rapid_to_point(act, flat, over)?;
     *over.at_mut(z) = lie.clear;
-    act.rapid_to_point(z.bit(), over)?;
+    rapid_to_point(act, z.bit(), over)?;
     for stroke in lettering::strokes(text, GAP) {
         let (Some(first), Some(last)) = (stroke.first(), stroke.last()) else { continue };
         act.count_as_block()?;
-        act.rapid_to_point(flat, at(lie.clear, *first))?;
-        act.feed_to_point(z.bit(), at(lie.depth, *first), plunge, unit)?;
+        rapid_to_point(act, flat, at(lie.clear, *first))?;
+        feed_to_point(act, z.bit(), at(lie.depth, *first), plunge, unit)?;
         for point in stroke.iter().skip(1) {
-            act.feed_to_point(flat, at(lie.depth, *point), feed, unit)?;
+            feed_to_point(act, flat, at(lie.depth, *point), feed, unit)?;
         }
-        act.rapid_to_point(z.bit(), at(lie.clear, *last))?;
+        rapid_to_point(act, z.bit(), at(lie.clear, *last))?;
     }
     Ok(())
 }

@@ -4,17 +4,17 @@
 //! by n − 1 times the angle about an absolute centre. *Invariant:* the machine does not move; the programmed point
 //! changes.
 
+use counterpoint_channel::figure::{CopiedFigure, Copy};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::data;
-use counterpoint_machine::ident::{DataId, codes};
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::local::{LocalFrame, LocalFramePart, Programmed};
 
 use crate::context::ActionContext;
 use crate::cutter;
 use crate::entry::ActionEntry;
-use counterpoint_channel::figure::{CopiedFigure, Copy};
+use crate::local::frame_text;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -107,7 +107,7 @@ pub(crate) fn put(act: &mut ActionContext<'_, '_>, figure: &CopiedFigure, on: bo
     cutter::mirror::frame_changed(act, mirrored);
     act.channel_mut().state.place.keep_ways(before);
     act.channel_mut().keep_levels(levels);
-    let text = act.frame_text();
+    let text = frame_text(act);
     act.channel_mut().emit(0, counterpoint_event::event::Kind::mode(text));
     Ok(())
 }

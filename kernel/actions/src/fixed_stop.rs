@@ -3,13 +3,15 @@
 //! Facts: reference shop-machines.md 2, 5, 6, 12 (push check, torque skip). Decisions: the distances of
 //! approach and overtravel apply only to a move of one axis. *Invariant:* after its block no axis remains marked.
 
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::probing::Probing;
 use counterpoint_event::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect};
+use crate::motion::rapid_to;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -61,7 +63,7 @@ fn approach_and_feed(
         if approach > 0.0 && approach < way.abs() {
             let mut start = target;
             *start.at_mut(axis) -= approach.copysign(way);
-            act.rapid_to(coded, start)?;
+            rapid_to(act, coded, start)?;
         }
         *end.at_mut(axis) += if way == 0.0 { 0.0 } else { beyond.copysign(way) };
     }

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -13,7 +14,7 @@ use counterpoint_program::block::PendingCode;
 use super::offset_words::{in_machine_frame, length_changed, put_length};
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use counterpoint_channel::modal::group;
+use crate::polar_words::without_polar_words;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -64,7 +65,7 @@ pub(crate) fn preset(act: &mut ActionContext<'_, '_>) -> Acted {
     }
     // Nothing turns: words are positions, also of axes whose words are angles.
     let angles = std::mem::take(&mut act.channel_mut().state.place.layout.angles);
-    let (coded, target) = act.without_polar_words(ActionContext::targets);
+    let (coded, target) = without_polar_words(act, |act| act.targets());
     act.channel_mut().state.place.layout.angles = angles;
     if coded == 0 {
         return Ok(());
@@ -103,7 +104,7 @@ fn preset_off(act: &mut ActionContext<'_, '_>) -> Acted {
 pub(crate) fn work_offset(act: &mut ActionContext<'_, '_>) -> Acted {
     let number = act.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
-    act.missing_work_offset(number);
+    missing_work_offset(act, number);
     let before = std::mem::replace(&mut act.channel_mut().state.place.in_force.work_offset, number);
     super::local::exchange_shifts(act, before, number);
     act.channel_mut().emit(0, Kind::mode(format!("comp workp n={number}")));
@@ -150,21 +151,18 @@ pub(crate) fn length(act: &mut ActionContext<'_, '_>, sign: f64, set: u8) -> Act
     Ok(())
 }
 
-impl ActionContext<'_, '_> {
-    /// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
-    /// offsets. Otherwise all are at the part zero, as G54 is.
-    pub(crate) fn missing_work_offset(&mut self, number: u32) {
-        let offsets = &self.channel().env.machine.work_offsets;
-        let is_given =
-            |(axis, value): (AxisId, &f64)| *value != self.channel().env.machine.axes[axis].positioning.part_zero;
-        let known = offsets.iter().any(|values| values.entries().any(is_given));
-        let set = self.channel().state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
-        if known && number as usize > offsets.len() && !set {
-            let text = format!(
-                "work offset {number} has no values in machine {}; the part zero of the machine is used",
-                self.channel().env.machine.name
-            );
-            self.diagnose(&diag::NO_OFFSET, text);
-        }
+/// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
+/// offsets. Otherwise all are at the part zero, as G54 is.
+pub(crate) fn missing_work_offset(act: &mut ActionContext<'_, '_>, number: u32) {
+    let offsets = &act.channel().env.machine.work_offsets;
+    let is_given = |(axis, value): (AxisId, &f64)| *value != act.channel().env.machine.axes[axis].positioning.part_zero;
+    let known = offsets.iter().any(|values| values.entries().any(is_given));
+    let set = act.channel().state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
+    if known && number as usize > offsets.len() && !set {
+        let text = format!(
+            "work offset {number} has no values in machine {}; the part zero of the machine is used",
+            act.channel().env.machine.name
+        );
+        act.diagnose(&diag::NO_OFFSET, text);
     }
 }

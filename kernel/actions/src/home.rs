@@ -2,6 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::rotary_words::next_to;
+use counterpoint_channel::trace;
+use counterpoint_channel::trace::ACTION;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -12,10 +17,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use counterpoint_channel::channel_axis::ChannelAxis;
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::trace;
-use counterpoint_channel::trace::ACTION;
+use crate::motion::rapid_to;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -48,7 +50,7 @@ pub(crate) fn go(act: &mut ActionContext<'_, '_>, number: usize) -> Acted {
     act.trace(ACTION, |channel| trace::action(&home_text(channel, coded, number)));
     check_reference(act, coded, number)?;
     act.channel_mut().state.place.home_via = Some(via);
-    act.rapid_to(coded, via)?;
+    rapid_to(act, coded, via)?;
     to_reference(act, coded, number)
 }
 
@@ -81,7 +83,7 @@ fn straight(act: &mut ActionContext<'_, '_>, number: usize) -> Acted {
     act.channel_mut().state.place.home_via = Some(act.channel().state.place.position);
     let (coded, target) = machine_targets(act);
     if coded != 0 {
-        return act.rapid_to(coded, target);
+        return rapid_to(act, coded, target);
     }
     let coded = every_axis(act);
     check_reference(act, coded, number)?;
@@ -112,11 +114,11 @@ fn to_reference(act: &mut ActionContext<'_, '_>, coded: u8, number: usize) -> Ac
     let mut target = act.channel().state.place.machine_point(&act.channel().state.place.position);
     for (slot, axis) in act.channel().state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
-            *target.at_mut(slot) = act.next_to(slot, target.at(slot), point);
+            *target.at_mut(slot) = next_to(act.channel(), slot, target.at(slot), point);
         }
     }
     let target = act.channel().state.place.way_of_machine(&target);
-    act.rapid_to(coded, target)?;
+    rapid_to(act, coded, target)?;
     super::offset_words::at_reference(act, coded);
     Ok(())
 }
@@ -134,10 +136,10 @@ fn home_text(channel: &ChannelContext<'_>, coded: u8, number: usize) -> String {
 /// A rapid move after which every axis of the block must be at its first reference point.
 fn check(act: &mut ActionContext<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
-    act.rapid_to(coded, target)?;
+    rapid_to(act, coded, target)?;
     let machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let is_off = |slot: AxisSlot, axis: &ChannelAxis| {
-        let home = act.next_to(slot, machine.at(slot), axis.home);
+        let home = next_to(act.channel(), slot, machine.at(slot), axis.home);
         coded & slot.bit() != 0 && (machine.at(slot) - home).abs() > AT_REFERENCE
     };
     let off = act.channel().state.place.layout.axes.entries().find(|(slot, axis)| is_off(*slot, axis));
@@ -176,12 +178,12 @@ pub(crate) fn come_back(act: &mut ActionContext<'_, '_>) -> Acted {
                     *slot = value;
                 }
             }
-            act.rapid_to(coded, through)?;
+            rapid_to(act, coded, through)?;
         }
         None => {
             let text = format!("no intermediate point is known for '{}'", act.channel().block_text());
             act.diagnose(&diag::RETURN_WITHOUT_HOME, text);
         }
     }
-    act.rapid_to(coded, target)
+    rapid_to(act, coded, target)
 }

@@ -5,6 +5,8 @@
 //! distances to circle centres change like those to their ends (examples of the same section). *Invariant:* only the
 //! words of the block change, before its motion takes them.
 
+use counterpoint_channel::modal::group;
+use counterpoint_channel::tool_radius::cutter_radius;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -13,7 +15,6 @@ use counterpoint_machine::index::BySlot;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -31,7 +32,7 @@ fn lengthen(act: &mut ActionContext<'_, '_>, times: f64) -> Acted {
     if act.channel().state.cycle.running {
         return Ok(());
     }
-    let by = times * act.cutter_radius(act.channel().diameter_number());
+    let by = times * cutter_radius(act.channel(), act.channel().diameter_number());
     let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let stands = act.channel().state.place.programmed();
     for slot in act.channel().state.place.layout.axes.ids() {

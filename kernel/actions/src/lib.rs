@@ -41,7 +41,6 @@ mod pocket;
 mod polar;
 mod polar_words;
 mod pole;
-mod rates;
 mod retract;
 mod skip;
 mod spindle;
@@ -53,19 +52,31 @@ mod sync;
 mod thread;
 mod tilt;
 mod time;
+mod timed_path;
 mod tip;
 mod tool;
 mod tool_offsets;
 mod turned;
 mod turning;
 
+use counterpoint_channel::turning::ContourTask;
+use counterpoint_emulator::channel::actions::Action;
+use counterpoint_emulator::channel::actions::ActionTable;
+use counterpoint_emulator::channel::actions::CompensationChange;
+use counterpoint_emulator::channel::actions::StraightMoves;
+use counterpoint_emulator::channel::chucks;
+use counterpoint_emulator::channel::paired_spindles;
 use counterpoint_machine::ident::CodeId;
 use entry::ActionEntry;
 
 use crate::context::ActionContext;
-use counterpoint_channel::turning::ContourTask;
-use counterpoint_emulator::channel::actions::{Action, ActionTable, CompensationChange, StraightMoves};
-use counterpoint_emulator::channel::{chucks, paired_spindles};
+use crate::cutter::end_compensation;
+use crate::cutter::flush_due;
+use crate::cutter::moves::next_element;
+use crate::cutter::resized::resize_compensation;
+use crate::cutter::switch_compensation;
+use crate::cycle::path::make_hole;
+use crate::motion::straight_again;
 
 /// The registry.
 static ENTRIES: &[&[ActionEntry]] = &[
@@ -132,16 +143,16 @@ const BASE: ActionTable = ActionTable {
     of: |id| {
         find(id).map(|entry| entry as &dyn Action).or_else(|| paired_spindles::find(id)).or_else(|| chucks::find(id))
     },
-    flush_lookahead: |kernel| ActionContext::new(kernel).next_element(None),
-    flush_due: |kernel, hole| ActionContext::new(kernel).flush_due(hole),
-    end_compensation: |kernel, halt| ActionContext::new(kernel).end_compensation(halt),
+    flush_lookahead: |kernel| next_element(&mut ActionContext::new(kernel), None),
+    flush_due: |kernel, hole| flush_due(&mut ActionContext::new(kernel), hole),
+    end_compensation: |kernel, halt| end_compensation(&mut ActionContext::new(kernel), halt),
     change_compensation: |kernel, change| match change {
-        CompensationChange::Code => ActionContext::new(kernel).switch_compensation(),
-        CompensationChange::Number => ActionContext::new(kernel).resize_compensation(),
+        CompensationChange::Code => switch_compensation(&mut ActionContext::new(kernel)),
+        CompensationChange::Number => resize_compensation(&mut ActionContext::new(kernel)),
     },
     speed_word: |kernel| spindle::speed_word(&mut ActionContext::new(kernel)),
     offset_words: |kernel, free| offset_words::select(&mut ActionContext::new(kernel), free),
-    make_hole: |kernel, hole| ActionContext::new(kernel).make_hole(hole),
+    make_hole: |kernel, hole| make_hole(&mut ActionContext::new(kernel), hole),
     reading: None,
     record: None,
     cut_contour: |kernel, cycle, reading| match cycle.task {
@@ -153,7 +164,7 @@ const BASE: ActionTable = ActionTable {
     straight: StraightMoves {
         back: |kernel, to| lathe::go_back(&mut ActionContext::new(kernel), to),
         along: |kernel, rapid, coded, to| motion::go_straight(&mut ActionContext::new(kernel), rapid, coded, to),
-        change: |kernel, motion, rapid, to| ActionContext::new(kernel).straight_again(motion, rapid, to),
+        change: |kernel, motion, rapid, to| straight_again(&mut ActionContext::new(kernel), motion, rapid, to),
         shorten: |kernel, long, to| motion::straight_to(&mut ActionContext::new(kernel), long, false, to),
     },
 };

@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 6.7. *Invariant:* the machine does not move; the programmed point changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
+use counterpoint_channel::frame_transforms::FrameTransforms;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -16,10 +18,9 @@ use counterpoint_motion::frame::local::{FrameError, LocalFramePart, Programmed};
 
 use crate::context::ActionContext;
 use crate::cutter;
+use crate::dwell::take_factor;
 use crate::entry::{ActionEntry, entry_of_kind};
 use crate::local_beside as beside;
-use counterpoint_channel::frame_transforms::FrameTransforms;
-use counterpoint_channel::modal::group;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -73,7 +74,7 @@ pub(crate) fn change(act: &mut ActionContext<'_, '_>, part: LocalFramePart, chan
     cutter::mirror::frame_changed(act, mirrored);
     act.channel_mut().state.place.keep_ways(before);
     act.channel_mut().keep_levels(levels);
-    let text = act.frame_text();
+    let text = frame_text(act);
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
@@ -124,7 +125,7 @@ pub(crate) fn exchange_shifts(act: &mut ActionContext<'_, '_>, old: u32, new: u3
         refuse(act, refused);
     }
     act.channel_mut().state.place.frames_changed();
-    let text = act.frame_text();
+    let text = frame_text(act);
     act.channel_mut().emit(0, Kind::mode(text));
 }
 
@@ -139,7 +140,7 @@ fn opposite(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     }
     act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
-    let text = act.frame_text();
+    let text = frame_text(act);
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
@@ -311,8 +312,8 @@ pub(crate) fn normal(act: &ActionContext<'_, '_>) -> Point {
 }
 
 fn scale(act: &mut ActionContext<'_, '_>, change: FrameChange) -> Option<Programmed> {
-    let all = act.take_factor(data::LCS_SCALE);
-    let each = SCALES.map(|id| act.take_factor(id));
+    let all = take_factor(act, data::LCS_SCALE);
+    let each = SCALES.map(|id| take_factor(act, id));
     let bare = change == FrameChange::On && each.iter().all(Option::is_none);
     let all = all.or_else(|| act.channel().env.machine.habits.scale_factor.filter(|_| bare));
     let center = center(act, SCALE_CENTER, LocalFramePart::Scale, change);
@@ -370,34 +371,31 @@ fn fewer_mirrors(act: &mut ActionContext<'_, '_>) -> ProgrammedPart {
     ProgrammedPart { local: left.contains(&1.0).then(|| mirror_of(left, at)), beside }
 }
 
-impl ActionContext<'_, '_> {
-    /// The local frame in the words of the listing.
-    pub(crate) fn frame_text(&self) -> String {
-        let Some(frames) = self.channel().state.place.frames.as_deref() else { return "lcs off".to_owned() };
-        let local = &frames.local;
-        if !local.is_programmed() && frames.beside.is_none() {
-            return "lcs off".to_owned();
-        }
-        let list = |values: Point| values.map(wildcard_text).join(",");
-        let mut text = "lcs".to_owned();
-        let values = self.channel().state.place.frame_values();
-        let mut part = |part: LocalFramePart, word: &str, values: Point| {
-            let beside = beside::text(self, part);
-            if local.parts(part).next().is_some() || !beside.is_empty() {
-                text += &format!(" {word}={}{beside}", list(values));
-            }
-            if let Some(rotation) =
-                local.parts(LocalFramePart::Rotate).last().filter(|_| part == LocalFramePart::Translate)
-            {
-                text += &format!(" rot={}", list(rotation.values));
-                if rotation.order == "IJK" {
-                    text += &format!(",{}", wildcard_text(rotation.angle));
-                }
-            }
-        };
-        part(LocalFramePart::Translate, "tra", values.translation);
-        part(LocalFramePart::Scale, "sca", values.scale);
-        part(LocalFramePart::Mirror, "mir", values.mirror);
-        text
+/// The local frame in the words of the listing.
+pub(crate) fn frame_text(act: &ActionContext<'_, '_>) -> String {
+    let Some(frames) = act.channel().state.place.frames.as_deref() else { return "lcs off".to_owned() };
+    let local = &frames.local;
+    if !local.is_programmed() && frames.beside.is_none() {
+        return "lcs off".to_owned();
     }
+    let list = |values: Point| values.map(wildcard_text).join(",");
+    let mut text = "lcs".to_owned();
+    let values = act.channel().state.place.frame_values();
+    let mut part = |part: LocalFramePart, word: &str, values: Point| {
+        let beside = beside::text(act, part);
+        if local.parts(part).next().is_some() || !beside.is_empty() {
+            text += &format!(" {word}={}{beside}", list(values));
+        }
+        if let Some(rotation) = local.parts(LocalFramePart::Rotate).last().filter(|_| part == LocalFramePart::Translate)
+        {
+            text += &format!(" rot={}", list(rotation.values));
+            if rotation.order == "IJK" {
+                text += &format!(",{}", wildcard_text(rotation.angle));
+            }
+        }
+    };
+    part(LocalFramePart::Translate, "tra", values.translation);
+    part(LocalFramePart::Scale, "sca", values.scale);
+    part(LocalFramePart::Mirror, "mir", values.mirror);
+    text
 }

@@ -3,13 +3,15 @@
 //! The tool moves to the position at which the program expects the measuring device. *Invariant:* there is no device
 //! here, so its signal comes at the expected position: offsets do not change, and a warning says so.
 
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
+
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect};
+use crate::motion::rapid_to;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] =
@@ -30,10 +32,10 @@ fn measure(act: &mut ActionContext<'_, '_>) -> Acted {
         let left = distance.unwrap_or(0.0).min(way.abs());
         *near.at_mut(slot) -= left.copysign(way);
     }
-    act.rapid_to(coded, near)?;
+    rapid_to(act, coded, near)?;
     match feed {
         Some(feed) => act.feed_to(coded, target, Some(feed), FeedUnit::PerMinute)?,
-        None => act.rapid_to(coded, target)?,
+        None => rapid_to(act, coded, target)?,
     }
     let text = format!(
         "the tool is assumed to match its offset in '{}'; the offset does not change",

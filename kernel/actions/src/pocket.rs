@@ -7,6 +7,11 @@
 //! other, and ends there, above the start; the compensation of its block ends with it. *Invariant:* no move comes
 //! nearer to the outline than the radius of the tool.
 
+use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::tool_radius::cutter_radius;
+use counterpoint_channel::turning::{
+    ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour,
+};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -21,11 +26,9 @@ use counterpoint_motion::contour::element::{Element, Spot};
 use crate::circular_move::CircularMove;
 use crate::context::ActionContext;
 use crate::entry::ActionEntry;
+use crate::motion::{feed_to_point, programmed_targets, rapid_to_point};
+use crate::time::check_feed;
 use crate::{cutter, turned};
-use counterpoint_channel::modal::{group, plane};
-use counterpoint_channel::turning::{
-    ContourBlocks, ContourCycle, ContourTask, LathePlane, PocketCycle, RecordedContour,
-};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::POCKET], |act, _, _| pocket(act))];
@@ -42,7 +45,7 @@ fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
     let (level, clear) = (value(data::POCKET_LEVEL), value(data::POCKET_CLEAR));
     super::tool_offsets::take_diameter(act);
     let feed = act.feed();
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     let Some((plane, z)) = axes(act) else { return refuse(act, "the plane of X and Y is not active") };
     if act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {
         return refuse(act, "incremental positions (G91) are not emulated, give absolute ones (G90)");
@@ -66,17 +69,17 @@ fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
     if !(0.0..1e6).contains(&finish) {
         return refuse(act, &format!("the last pass K is {finish}, it must not be below 0"));
     }
-    act.check_feed(feed.0)?;
+    check_feed(act, feed.0)?;
     let mut over = act.channel().state.place.programmed();
     for axis in plane.axes {
         *over.at_mut(axis) = target.at(axis);
     }
     let flat = plane.moved(&act.channel().state.place.programmed(), &over);
     if flat != 0 {
-        act.rapid_to_point(flat, over)?;
+        rapid_to_point(act, flat, over)?;
     }
     *over.at_mut(z) = clear;
-    act.rapid_to_point(z.bit(), over)?;
+    rapid_to_point(act, z.bit(), over)?;
     let task = ContourTask::Pocket(PocketCycle { step, across, finish, level, clear, depth });
     act.cut_contour(ContourCycle { blocks: ContourBlocks::Program(outline as u32), task, feed, feeds: [None; 2] });
     Ok(())
@@ -105,7 +108,7 @@ pub(crate) fn cut(
         Some(codes::COMP_DIAM_RIGHT) => -1.0,
         _ => return refuse(act, "it needs G41 or G42 with the offset D of the tool"),
     };
-    let radius = act.channel().diameter_in_force().map_or(0.0, |number| act.cutter_radius(number));
+    let radius = act.channel().diameter_in_force().map_or(0.0, |number| cutter_radius(act.channel(), number));
     cutter::beside(act, None)?;
     if radius <= 0.0 {
         return refuse(act, "the offset D of the tool has no radius");
@@ -175,7 +178,7 @@ impl Cuts {
         let here = act.channel().state.place.programmed();
         let to = self.plane.position(here, spot);
         let flat = self.plane.moved(&here, &to);
-        if flat == 0 { Ok(()) } else { act.rapid_to_point(flat, to) }
+        if flat == 0 { Ok(()) } else { rapid_to_point(act, flat, to) }
     }
 
     fn height(&self, act: &mut ActionContext<'_, '_>, height: f64) -> Acted {
@@ -186,8 +189,8 @@ impl Cuts {
         let rises = height > to.at(self.z);
         *to.at_mut(self.z) = height;
         match self.feed {
-            _ if rises => act.rapid_to_point(self.z.bit(), to),
-            (feed, unit) => act.feed_to_point(self.z.bit(), to, feed, unit),
+            _ if rises => rapid_to_point(act, self.z.bit(), to),
+            (feed, unit) => feed_to_point(act, self.z.bit(), to, feed, unit),
         }
     }
 
@@ -219,12 +222,12 @@ impl Cuts {
         let coded = self.plane.moved(&from, &to);
         let (feed, unit) = self.feed;
         let Some(arc) = &element.arc else {
-            return if coded == 0 { Ok(()) } else { act.feed_to_point(coded, to, feed, unit) };
+            return if coded == 0 { Ok(()) } else { feed_to_point(act, coded, to, feed, unit) };
         };
         let [start, end] = [from, to].map(|position| self.plane.point(&position));
         let center = turned_by(arc.center, -self.turn);
         let Ok(made) = by_center(start, end, center, arc.sweep < 0.0) else {
-            return act.feed_to_point(coded, to, feed, unit);
+            return feed_to_point(act, coded, to, feed, unit);
         };
         let coded = self.plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
         let circle = CircularMove { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };

@@ -3,7 +3,13 @@
 //! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation" and "Cylindrical
 //! interpolation". *Invariant:* events name the real axes; length and time are those on the part.
 
-use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::axis_rates::at_rates;
+use counterpoint_channel::channel_axis::ChannelAxis;
+use counterpoint_channel::frame_transforms::PolarInterpolation;
+use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::round_centre::way_round;
+use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -13,14 +19,11 @@ use counterpoint_motion::arc as geometry;
 use counterpoint_program::block::RetrievedValue;
 
 use super::circular_move::CircularMove;
-use super::time::TimedPath;
 use crate::context::ActionContext;
 use crate::entry::ActionEntry;
-use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::channel_axis::ChannelAxis;
-use counterpoint_channel::frame_transforms::PolarInterpolation;
-use counterpoint_channel::modal::{group, plane};
-use counterpoint_channel::round_centre::way_round;
+use crate::motion::{moved_axes, programmed_targets};
+use crate::time::feed_seconds;
+use crate::timed_path::TimedPath;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -93,7 +96,7 @@ fn axes(act: &ActionContext<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
 /// A circle on the part. Its plane is that of the part, regardless of the active plane.
 pub(crate) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, clockwise: bool) -> Acted {
     let (feed, unit) = act.feed();
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     let radius = act.take(data::ARC_RADIUS).map(|d| d.value);
     let offsets = center_words(act, &polar).map(|id| id.and_then(|id| act.take(id)).map(|d| d.value));
     let turns = act.take(data::ARC_TURNS).map_or(0.0, |d| d.value);
@@ -171,33 +174,6 @@ fn center_words(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> [Opt
 }
 
 impl ActionContext<'_, '_> {
-    /// A circle of the part from where the axes are, which `circle.to` has gone round already.
-    #[cold]
-    pub(crate) fn circle_of_part(&mut self, polar: PolarInterpolation, circle: &CircularMove) -> Acted {
-        let CircularMove { made, coded, from, to, feed, unit, .. } = *circle;
-        let changes = self.channel().feed_changes(&from, &to);
-        let others =
-            self.channel().state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
-        let rise = others.map(|axis| changes.at(axis) * changes.at(axis)).sum::<f64>();
-        let length = (made.length() * made.length() + rise).sqrt();
-        let path = TimedPath { from: &from, to: &to, length: made.length(), arc: None };
-        let seconds = self.feed_seconds(&path, feed, unit)?;
-        let seconds = self.at_rates(seconds, &from, &to, Some(&made));
-        let moving = self.moving(coded, &self.channel().state.place.changes(&from, &to))
-            | polar.linear.bit()
-            | polar.rotary.bit();
-        let feed = (feed.unwrap_or(0.0), unit);
-        if polar.is_cylinder() {
-            let side = usize::from(polar.axes()[1] == polar.linear);
-            self.check_swing(&to, polar.linear, made.turning_points(side))?;
-        }
-        let mut motion = Motion::straight(MotionKind::Linear, moving, [from, to], feed, length);
-        if let Some(center) = polar.on_face(&self.channel().state.place, made.center) {
-            (motion.center, motion.plane_axes) = (center, [polar.linear, polar.rotary].map(|axis| axis.index() as u8));
-        }
-        self.travel(seconds, &motion)
-    }
-
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(crate) fn take_polar(&mut self, polar: PolarInterpolation, axis: AxisSlot) -> Option<RetrievedValue> {
         let ChannelAxis { data: id, scale, .. } = self.channel().state.place.layout.axes[axis];
@@ -227,16 +203,37 @@ impl ActionContext<'_, '_> {
             self.take(id).map(|datum| RetrievedValue { value: datum.value * way, ..datum })
         })
     }
+}
 
-    /// Length of a feed move on the part, or of its tool path.
-    #[inline(always)]
-    pub(crate) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
-        if self.channel().state.place.frames.is_some() && self.channel().state.place.polar().is_some() {
-            feed_length
-        } else {
-            self.tool_path(changes)
-        }
+/// A circle of the part from where the axes are, which `circle.to` has gone round already.
+#[cold]
+pub(crate) fn circle_of_part(
+    act: &mut ActionContext<'_, '_>,
+    polar: PolarInterpolation,
+    circle: &CircularMove,
+) -> Acted {
+    let CircularMove { made, coded, from, to, feed, unit, .. } = *circle;
+    let changes = act.channel().feed_changes(&from, &to);
+    let others =
+        act.channel().state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
+    let rise = others.map(|axis| changes.at(axis) * changes.at(axis)).sum::<f64>();
+    let length = (made.length() * made.length() + rise).sqrt();
+    let path = TimedPath { from: &from, to: &to, length: made.length(), arc: None };
+    let seconds = feed_seconds(act, &path, feed, unit)?;
+    let seconds = at_rates(act.channel(), seconds, &from, &to, Some(&made));
+    let moving = moved_axes(act.channel(), coded, &act.channel().state.place.changes(&from, &to))
+        | polar.linear.bit()
+        | polar.rotary.bit();
+    let feed = (feed.unwrap_or(0.0), unit);
+    if polar.is_cylinder() {
+        let side = usize::from(polar.axes()[1] == polar.linear);
+        act.check_swing(&to, polar.linear, made.turning_points(side))?;
     }
+    let mut motion = Motion::straight(MotionKind::Linear, moving, [from, to], feed, length);
+    if let Some(center) = polar.on_face(&act.channel().state.place, made.center) {
+        (motion.center, motion.plane_axes) = (center, [polar.linear, polar.rotary].map(|axis| axis.index() as u8));
+    }
+    act.travel(seconds, &motion)
 }
 
 /// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.

@@ -3,6 +3,8 @@
 //! *Invariant:* only words of target positions are read so; words of presets, offsets, frames and centres keep their
 //! meaning. Decisions: docs/emulation.md, "Polar coordinate command".
 
+use counterpoint_channel::frame_transforms::PolarWords;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
@@ -11,8 +13,7 @@ use counterpoint_program::block::RetrievedValue;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use counterpoint_channel::frame_transforms::PolarWords;
-use counterpoint_channel::modal::{group, plane};
+use crate::motion::take_axis;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -29,18 +30,9 @@ fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
 }
 
 impl ActionContext<'_, '_> {
-    /// Axes whose words are a radius and an angle.
-    pub(crate) fn polar_axes(&self) -> Option<[AxisSlot; 2]> {
-        let frames = self.channel().state.place.frames.as_deref()?;
-        frames.words.filter(|_| frames.polar.is_none())?;
-        let plane = plane(self.channel().state.modal.code(group::PLANE)?)?;
-        let axis = |role: usize| self.channel().state.place.layout.cartesian.get(role).copied().flatten();
-        Some([axis(plane.first)?, axis(plane.second)?])
-    }
-
     /// Takes their words and puts the point into a target; returns the bits of the axes that it sets.
     pub(crate) fn take_polar_words(&mut self, axes: [AxisSlot; 2], from: &Position, target: &mut Position) -> u8 {
-        let [radius, angle] = axes.map(|axis| self.take_axis(axis));
+        let [radius, angle] = axes.map(|axis| take_axis(self, axis));
         let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let is_distance = |word: &RetrievedValue| word.incremental || relative && !word.absolute;
         let words = PolarWords {
@@ -55,23 +47,17 @@ impl ActionContext<'_, '_> {
         words.put(&self.channel().state.place, axes, from, target);
         axes[0].bit() | axes[1].bit()
     }
+}
 
-    /// Goes on by the words of the block once more, from where the tool is.
-    pub(crate) fn polar_words_again(&self, target: &mut Position) {
-        let words = self.channel().state.place.frames.as_deref().and_then(|frames| frames.words);
-        let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());
-        if let (Some(words), Some(axes)) = (words, self.polar_axes()) {
-            words.put(&self.channel().state.place, axes, &self.channel().state.place.programmed(), target);
-        }
+/// Reads words as positions of axes for once.
+pub(crate) fn without_polar_words<T>(
+    act: &mut ActionContext<'_, '_>,
+    read: impl FnOnce(&mut ActionContext<'_, '_>) -> T,
+) -> T {
+    let words = act.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
+    let done = read(act);
+    if words.is_some() {
+        act.channel_mut().state.place.frames().words = words;
     }
-
-    /// Reads words as positions of axes for once.
-    pub(crate) fn without_polar_words<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
-        let words = self.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
-        let done = read(self);
-        if words.is_some() {
-            self.channel_mut().state.place.frames().words = words;
-        }
-        done
-    }
+    done
 }

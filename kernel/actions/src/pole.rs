@@ -6,6 +6,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
 use crate::context::ActionContext;
+use crate::cutter::angle::set_pole;
 use crate::entry::{ActionEntry, CompensationEffect};
 
 /// Codes with their actions.
@@ -28,6 +29,6 @@ fn set(act: &mut ActionContext<'_, '_>, from: From) -> Acted {
         From::Zero => Default::default(),
         From::Pole => act.channel().state.arcs.pole,
     };
-    act.set_pole(from);
+    set_pole(act, from);
     act.channel().check_stop()
 }

@@ -3,8 +3,6 @@
 //! *Invariant:* the path is that of the axes of the machine, regardless of the active frame. Facts: reference
 //! heidenhain-cycles.md 6 (M140, MB of PLANE). Decisions: machines/heidenhain-milling/README.md.
 
-use crate::context::ActionContext;
-use crate::entry::ActionEntry;
 use counterpoint_channel::modal::group;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
@@ -14,6 +12,10 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::plane::UNITS;
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::motion::rapid_to;
 
 /// A tool that is beyond the reference point by less than this is at it.
 const ROUNDING: f64 = 1e-6;
@@ -63,7 +65,7 @@ pub(crate) type Rate = Option<(Option<f64>, FeedUnit)>;
 /// A move to a point of the work frame.
 pub(crate) fn go(act: &mut ActionContext<'_, '_>, coded: u8, target: Position, rate: Rate) -> Acted {
     match rate {
-        None => act.rapid_to(coded, target),
+        None => rapid_to(act, coded, target),
         Some((feed, unit)) => act.feed_to(coded, target, feed, unit),
     }
 }

@@ -4,12 +4,13 @@
 //! ever touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is
 //! reported.
 
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::probing::Probing;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
+
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] =

@@ -3,6 +3,8 @@
 //! Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc G68.2 and G53.1. *Invariant:* a block that says
 //! no plane makes none. Decisions: docs/emulation.md, "Tilted planes".
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::frame_transforms::{PartialPlane, Turned};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -20,8 +22,8 @@ use counterpoint_motion::frame::plane::UNITS;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, entry_of_kind};
+use crate::motion::forget_parts;
 use crate::retract::{go, rate, retract};
-use counterpoint_channel::frame_transforms::{PartialPlane, Turned};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] =
@@ -139,7 +141,7 @@ fn define(act: &mut ActionContext<'_, '_>, form: PlaneDefinition, add: bool) -> 
     if !act.channel_mut().tilt(map, angles) {
         return Err(undefined(act, "the plane has no way back"));
     }
-    let text = act.tilt_text();
+    let text = tilt_text(act.channel());
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
@@ -335,13 +337,6 @@ fn parts(
     Ok(Some(Defined { plane, angles: None }))
 }
 
-/// Takes away the blocks of a definition that is not complete.
-fn forget_parts(act: &mut ActionContext<'_, '_>) -> Option<Box<PartialPlane>> {
-    let parts = act.channel_mut().state.place.frames.as_deref_mut()?.parts.take()?;
-    act.channel_mut().state.place.frames_changed();
-    Some(parts)
-}
-
 /// Turns the rotary axes into the plane; `keep`: a point so far behind the tip keeps its place on the part.
 fn turn(act: &mut ActionContext<'_, '_>, keep: Option<f64>) -> Acted {
     let known = act.channel().state.place.tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
@@ -392,28 +387,16 @@ fn turn(act: &mut ActionContext<'_, '_>, keep: Option<f64>) -> Acted {
     Ok(())
 }
 
-impl ActionContext<'_, '_> {
-    /// A move in the middle of a definition is an alarm: it would be made in the wrong plane.
-    #[cold]
-    pub(crate) fn check_parts(&mut self) {
-        if forget_parts(self).is_some() {
-            let text =
-                format!("a definition by several blocks is not complete before '{}'", self.channel().block_text());
-            self.diagnose(&diag::PLANE_UNDEFINED, text);
-        }
+/// The plane in the words of the listing: its zero and the directions of its X and Z in the frame around it.
+pub(crate) fn tilt_text(channel: &ChannelContext<'_>) -> String {
+    let Some(map) = channel.state.place.tilted().map(|tilt| *tilt.map()) else {
+        return "tilt off".to_owned();
+    };
+    let list = |point: Point| point.map(|value| wildcard_text((value * 1e6).round() / 1e6 + 0.0)).join(",");
+    let mut zero = map.point([0.0; 3]);
+    for (role, slot) in zero.iter_mut().enumerate() {
+        *slot /= channel.state.place.scale_of(role);
     }
-
-    /// The plane in the words of the listing: its zero and the directions of its X and Z in the frame around it.
-    pub(crate) fn tilt_text(&self) -> String {
-        let Some(map) = self.channel().state.place.tilted().map(|tilt| *tilt.map()) else {
-            return "tilt off".to_owned();
-        };
-        let list = |point: Point| point.map(|value| wildcard_text((value * 1e6).round() / 1e6 + 0.0)).join(",");
-        let mut zero = map.point([0.0; 3]);
-        for (role, slot) in zero.iter_mut().enumerate() {
-            *slot /= self.channel().state.place.scale_of(role);
-        }
-        let [x, _, z] = UNITS.map(|unit| list(map.direction(unit)));
-        format!("tilt zero={} x={x} z={z}", list(zero))
-    }
+    let [x, _, z] = UNITS.map(|unit| list(map.direction(unit)));
+    format!("tilt zero={} x={x} z={z}", list(zero))
 }

@@ -3,12 +3,7 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
-use counterpoint_motion::arc::PlaneArc;
-use counterpoint_motion::law::{FeedSchedule, SpeedRamp, SpindleRotation};
-use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
-use counterpoint_motion::thread::Lead;
-
-use crate::context::ActionContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::laws::note_law;
 use counterpoint_channel::modal::group;
 use counterpoint_channel::plausible::LONGEST_MOVE;
@@ -18,6 +13,13 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::{Dynamics, RapidPath};
+use counterpoint_motion::law::{FeedSchedule, SpeedRamp, SpindleRotation};
+use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
+use counterpoint_motion::thread::Lead;
+
+use crate::context::ActionContext;
+use crate::improbable::{look_at_feed, look_at_revolutions, report_long_move};
+use crate::timed_path::TimedPath;
 
 /// The message about an unusable feed.
 fn lack(feed: Option<f64>) -> (&'static diag::DiagnosticFacts, &'static str) {
@@ -27,21 +29,11 @@ fn lack(feed: Option<f64>) -> (&'static diag::DiagnosticFacts, &'static str) {
     }
 }
 
-/// A path whose time is requested.
-pub(crate) struct TimedPath<'a> {
-    pub(crate) from: &'a Position,
-    pub(crate) to: &'a Position,
-    /// Length that the feed applies to, geometry units.
-    pub(crate) length: f64,
-    /// Arc and index of its radial coordinate (0, 1), when it is one and X is in its plane.
-    pub(crate) arc: Option<(&'a PlaneArc, Option<usize>)>,
-}
-
 /// Seconds of a feed move that is timed as a rapid move.
 #[cold]
 fn seconds_as_rapid(act: &mut ActionContext<'_, '_>, path: &TimedPath<'_>) -> f64 {
     note_law(act.channel_mut(), |law| law.unknown = Some(UnknownLaw::WithoutFeed));
-    act.rapid_seconds(path.from, path.to)
+    rapid_seconds(act.channel(), path.from, path.to)
 }
 
 /// Notes that the feed of the next move follows a spindle, for the law of the move.
@@ -64,170 +56,172 @@ pub(crate) fn note_turning(
     note_law(act.channel_mut(), |law| law.schedule = schedule);
 }
 
-impl ActionContext<'_, '_> {
-    /// Seconds of a rapid move.
-    pub(crate) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if !self.channel().state.place.couples() {
-            self.channel().state.place.changes(from, to)
-        } else {
-            self.channel()
-                .state
-                .place
-                .changes(&self.channel().state.place.machine_point(from), &self.channel().state.place.machine_point(to))
-        };
-        match self.channel().env.machine.time.rapid {
-            RapidPath::SlowestAxis => self
-                .channel()
-                .state
-                .place
-                .layout
-                .axes
-                .iter()
-                .zip(&changes)
-                .map(|(axis, change)| {
-                    let Dynamics { acceleration, jerk, .. } = axis.dynamics;
-                    stop_to_stop_smoothly(*change, axis.rapid, acceleration, jerk)
-                })
-                .fold(0.0, f64::max),
-            RapidPath::Linear => {
-                let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
-                let (mut speed, mut acceleration, mut jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.channel().state.place.layout.axes.iter().zip(&changes) {
-                    if *change != 0.0 {
-                        let share = length / change.abs();
-                        speed = speed.min(axis.rapid * share);
-                        acceleration =
-                            acceleration.min(axis.dynamics.acceleration.map_or(f64::INFINITY, |a| a * share));
-                        jerk = jerk.min(axis.dynamics.jerk.map_or(f64::INFINITY, |j| j * share));
-                    }
+/// Seconds of a rapid move.
+pub(crate) fn rapid_seconds(channel: &ChannelContext<'_>, from: &Position, to: &Position) -> f64 {
+    let changes = if !channel.state.place.couples() {
+        channel.state.place.changes(from, to)
+    } else {
+        channel.state.place.changes(&channel.state.place.machine_point(from), &channel.state.place.machine_point(to))
+    };
+    match channel.env.machine.time.rapid {
+        RapidPath::SlowestAxis => channel
+            .state
+            .place
+            .layout
+            .axes
+            .iter()
+            .zip(&changes)
+            .map(|(axis, change)| {
+                let Dynamics { acceleration, jerk, .. } = axis.dynamics;
+                stop_to_stop_smoothly(*change, axis.rapid, acceleration, jerk)
+            })
+            .fold(0.0, f64::max),
+        RapidPath::Linear => {
+            let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let (mut speed, mut acceleration, mut jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            for (axis, change) in channel.state.place.layout.axes.iter().zip(&changes) {
+                if *change != 0.0 {
+                    let share = length / change.abs();
+                    speed = speed.min(axis.rapid * share);
+                    acceleration = acceleration.min(axis.dynamics.acceleration.map_or(f64::INFINITY, |a| a * share));
+                    jerk = jerk.min(axis.dynamics.jerk.map_or(f64::INFINITY, |j| j * share));
                 }
-                let finite = |value: f64| value.is_finite().then_some(value);
-                stop_to_stop_smoothly(length, speed, finite(acceleration), finite(jerk))
             }
+            let finite = |value: f64| value.is_finite().then_some(value);
+            stop_to_stop_smoothly(length, speed, finite(acceleration), finite(jerk))
         }
     }
+}
 
-    /// Seconds of a feed move without a usable feed: at the smallest one of the control, otherwise those of a rapid
-    /// move.
-    #[cold]
-    fn without_feed(&mut self, path: &TimedPath<'_>, facts: &diag::DiagnosticFacts, what: &str) -> f64 {
-        let least = self.channel().env.machine.habits.least_feed;
-        let how = match least {
-            _ if self.channel().env.machine.stops_at(facts) => "no part of the block acts".to_owned(),
-            Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
-            None => "the move is timed as rapid".to_owned(),
-        };
-        let text = format!("{what} '{}', {how}", self.channel().block_text());
-        self.diagnose(facts, text);
-        match least {
-            Some(feed) => self.paced(path, feed / 60.0),
-            None => seconds_as_rapid(self, path),
-        }
+/// Seconds of a feed move without a usable feed: at the smallest one of the control, otherwise those of a rapid
+/// move.
+#[cold]
+fn without_feed(
+    act: &mut ActionContext<'_, '_>,
+    path: &TimedPath<'_>,
+    facts: &diag::DiagnosticFacts,
+    what: &str,
+) -> f64 {
+    let least = act.channel().env.machine.habits.least_feed;
+    let how = match least {
+        _ if act.channel().env.machine.stops_at(facts) => "no part of the block acts".to_owned(),
+        Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
+        None => "the move is timed as rapid".to_owned(),
+    };
+    let text = format!("{what} '{}', {how}", act.channel().block_text());
+    act.diagnose(facts, text);
+    match least {
+        Some(feed) => paced(act.channel_mut(), path, feed / 60.0),
+        None => seconds_as_rapid(act, path),
     }
+}
 
-    /// Stops the channel at a move without a usable feed before anything of it is made, where that is an alarm.
-    #[inline(always)]
-    pub(crate) fn check_feed(&mut self, feed: Option<f64>) -> Acted {
-        if feed.is_some_and(|feed| feed > 0.0) { Ok(()) } else { self.no_feed(feed) }
+/// Stops the channel at a move without a usable feed before anything of it is made, where that is an alarm.
+#[inline(always)]
+pub(crate) fn check_feed(act: &mut ActionContext<'_, '_>, feed: Option<f64>) -> Acted {
+    if feed.is_some_and(|feed| feed > 0.0) { Ok(()) } else { no_feed(act, feed) }
+}
+
+#[cold]
+fn no_feed(act: &mut ActionContext<'_, '_>, feed: Option<f64>) -> Acted {
+    let (facts, what) = lack(feed);
+    if !act.channel().env.machine.stops_at(facts) {
+        return Ok(());
     }
+    let text = format!("{what} '{}', no part of the block acts", act.channel().block_text());
+    act.diagnose(facts, text);
+    act.channel().check_stop()
+}
 
-    #[cold]
-    fn no_feed(&mut self, feed: Option<f64>) -> Acted {
+/// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
+pub(crate) fn feed_seconds(
+    act: &mut ActionContext<'_, '_>,
+    path: &TimedPath<'_>,
+    feed: Option<f64>,
+    unit: FeedUnit,
+) -> Result<f64, counterpoint_fault::Halt> {
+    let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
         let (facts, what) = lack(feed);
-        if !self.channel().env.machine.stops_at(facts) {
-            return Ok(());
-        }
-        let text = format!("{what} '{}', no part of the block acts", self.channel().block_text());
-        self.diagnose(facts, text);
-        self.channel().check_stop()
-    }
-
-    /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
-    pub(crate) fn feed_seconds(
-        &mut self,
-        path: &TimedPath<'_>,
-        feed: Option<f64>,
-        unit: FeedUnit,
-    ) -> Result<f64, counterpoint_fault::Halt> {
-        let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
-            let (facts, what) = lack(feed);
-            return Ok(self.without_feed(path, facts, what));
-        };
-        let seconds = match unit {
-            FeedUnit::PerMinute => {
-                if feed > self.channel().reports.plausible.look_above {
-                    self.look_at_feed(feed, path)?;
-                }
-                self.paced(path, feed / 60.0)
+        return Ok(without_feed(act, path, facts, what));
+    };
+    let seconds = match unit {
+        FeedUnit::PerMinute => {
+            if feed > act.channel().reports.plausible.look_above {
+                look_at_feed(act, feed, path)?;
             }
-            FeedUnit::InverseTime => 60.0 / feed,
-            FeedUnit::PerRevolution => match self.revolution_minutes(path, feed)? {
-                Some(minutes) => {
-                    if path.length > minutes * self.channel().reports.plausible.look_above_revolutions {
-                        self.look_at_revolutions(path.length / minutes)?;
-                    }
-                    minutes * 60.0
+            paced(act.channel_mut(), path, feed / 60.0)
+        }
+        FeedUnit::InverseTime => 60.0 / feed,
+        FeedUnit::PerRevolution => match revolution_minutes(act, path, feed)? {
+            Some(minutes) => {
+                if path.length > minutes * act.channel().reports.plausible.look_above_revolutions {
+                    look_at_revolutions(act, path.length / minutes)?;
                 }
-                None => seconds_as_rapid(self, path),
-            },
-            FeedUnit::Rapid => seconds_as_rapid(self, path),
-        };
-        if seconds > LONGEST_MOVE {
-            self.report_long_move(seconds);
-        }
-        Ok(seconds)
-    }
-
-    /// Seconds at a steady speed, with speed changes at both ends under exact stop.
-    fn paced(&mut self, path: &TimedPath<'_>, speed: f64) -> f64 {
-        let exact = self.channel().block.flags.exact_stop
-            || self.channel().state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
-        // Where moves are planned ahead, the stop is planned as well.
-        if !exact || self.channel().emitter.has_pace() {
-            return path.length / speed;
-        }
-        let changes = self.channel().state.place.changes(path.from, path.to);
-        let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.channel().state.place.layout.axes.iter().zip(&changes) {
-            if *change != 0.0
-                && let Some(a) = axis.dynamics.acceleration
-            {
-                acceleration = acceleration.min(a * path.length / change.abs());
+                minutes * 60.0
             }
-        }
-        if acceleration.is_finite() && path.length > 0.0 {
-            let ramp = SpeedRamp::alone(path.length, speed, acceleration);
-            note_law(self.channel_mut(), |law| law.ramp = Some(ramp));
-        }
-        stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
+            None => seconds_as_rapid(act, path),
+        },
+        FeedUnit::Rapid => seconds_as_rapid(act, path),
+    };
+    if seconds > LONGEST_MOVE {
+        report_long_move(act, seconds);
     }
+    Ok(seconds)
+}
 
-    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
-    fn revolution_minutes(&mut self, path: &TimedPath<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
-        let Some(speed) = self.speed_of_cut()? else {
-            let text = format!(
-                "{} in '{}' with feed per revolution, the move is timed as rapid",
-                stopped(self.channel()),
-                self.channel().block_text()
-            );
-            self.diagnose(&diag::SPINDLE_STANDS, text);
-            return Ok(None);
-        };
-        let minutes = match speed {
-            SpindleRotation::Fixed(rpm) => path.length / (feed * rpm),
-            SpindleRotation::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
-            SpindleRotation::Surface(surface) => match path.arc {
-                Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
-                _ => {
-                    let [start, end] = [path.from, path.to].map(|p| self.channel().state.place.radius(p));
-                    surface.line_minutes(start, end, path.length, feed)
-                }
-            },
-        };
-        if self.channel().state.law.is_some() {
-            note_turning(self, path, Lead { start: feed, change: 0.0 }, speed);
-        }
-        self.assume_speed(minutes * 60.0);
-        Ok(Some(minutes))
+/// Seconds at a steady speed, with speed changes at both ends under exact stop.
+fn paced(channel: &mut ChannelContext<'_>, path: &TimedPath<'_>, speed: f64) -> f64 {
+    let exact =
+        channel.block.flags.exact_stop || channel.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+    // Where moves are planned ahead, the stop is planned as well.
+    if !exact || channel.emitter.has_pace() {
+        return path.length / speed;
     }
+    let changes = channel.state.place.changes(path.from, path.to);
+    let mut acceleration = f64::INFINITY;
+    for (axis, change) in channel.state.place.layout.axes.iter().zip(&changes) {
+        if *change != 0.0
+            && let Some(a) = axis.dynamics.acceleration
+        {
+            acceleration = acceleration.min(a * path.length / change.abs());
+        }
+    }
+    if acceleration.is_finite() && path.length > 0.0 {
+        let ramp = SpeedRamp::alone(path.length, speed, acceleration);
+        note_law(channel, |law| law.ramp = Some(ramp));
+    }
+    stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
+}
+
+/// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
+fn revolution_minutes(
+    act: &mut ActionContext<'_, '_>,
+    path: &TimedPath<'_>,
+    feed: f64,
+) -> Result<Option<f64>, counterpoint_fault::Halt> {
+    let Some(speed) = act.speed_of_cut()? else {
+        let text = format!(
+            "{} in '{}' with feed per revolution, the move is timed as rapid",
+            stopped(act.channel()),
+            act.channel().block_text()
+        );
+        act.diagnose(&diag::SPINDLE_STANDS, text);
+        return Ok(None);
+    };
+    let minutes = match speed {
+        SpindleRotation::Fixed(rpm) => path.length / (feed * rpm),
+        SpindleRotation::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
+        SpindleRotation::Surface(surface) => match path.arc {
+            Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
+            _ => {
+                let [start, end] = [path.from, path.to].map(|p| act.channel().state.place.radius(p));
+                surface.line_minutes(start, end, path.length, feed)
+            }
+        },
+    };
+    if act.channel().state.law.is_some() {
+        note_turning(act, path, Lead { start: feed, change: 0.0 }, speed);
+    }
+    act.assume_speed(minutes * 60.0);
+    Ok(Some(minutes))
 }

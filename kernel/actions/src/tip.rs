@@ -2,6 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::frames::clean;
 use counterpoint_event::event::{Kind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -14,7 +16,6 @@ use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, T
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, entry_of_kind};
-use counterpoint_channel::frames::clean;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -121,122 +122,114 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
     }
 }
 
-impl ActionContext<'_, '_> {
-    /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip,
-    /// one that turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
-    #[inline(always)]
-    pub(crate) fn straight_move(
-        &mut self,
-        (coded, target): (u8, Position),
-        go: impl FnOnce(&mut Self, u8, Position) -> Acted,
-    ) -> Acted {
-        match self.channel().state.place.tip() {
-            Some(_) if self.channel().state.others.tip.method == AT_ENDS => self.straight_at_ends((coded, target), go),
-            _ => go(self, coded, target),
-        }
+/// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip,
+/// one that turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
+#[inline(always)]
+pub(crate) fn straight_move(
+    act: &mut ActionContext<'_, '_>,
+    (coded, target): (u8, Position),
+    go: impl FnOnce(&mut ActionContext<'_, '_>, u8, Position) -> Acted,
+) -> Acted {
+    match act.channel().state.place.tip() {
+        Some(_) if act.channel().state.others.tip.method == AT_ENDS => straight_at_ends(act, (coded, target), go),
+        _ => go(act, coded, target),
     }
+}
 
-    #[cold]
-    fn straight_at_ends(
-        &mut self,
-        (coded, target): (u8, Position),
-        go: impl FnOnce(&mut Self, u8, Position) -> Acted,
-    ) -> Acted {
-        let from = self.channel().state.place.position;
-        let of = |rotary: bool| {
-            self.channel().state.place.layout.axes.entries().filter(move |(_, axis)| axis.rotary == rotary)
-        };
-        if of(true).all(|(slot, _)| from.at(slot) == target.at(slot)) {
-            return go(self, coded, target);
-        }
-        if self.channel().state.place.is_compensated() {
-            let text = format!(
-                "rotary axes cannot turn under compensation of the radius in '{}'",
-                self.channel().block_text()
-            );
-            return Err(self.alarm(&diag::REFUSED, text));
-        }
-        let mut machine = self.channel().state.place.machine_point(&target);
-        if of(false).all(|(slot, _)| coded & slot.bit() == 0) {
-            let stands = self.channel().state.place.machine_point(&from);
-            for (slot, _) in of(false) {
-                *machine.at_mut(slot) = stands.at(slot);
-            }
-        }
-        self.channel_mut().end_tip();
-        let target = self.channel().state.place.point_of_machine(&machine);
-        let done = go(self, coded, target);
-        self.channel_mut().start_tip(false);
-        done
+#[cold]
+fn straight_at_ends(
+    act: &mut ActionContext<'_, '_>,
+    (coded, target): (u8, Position),
+    go: impl FnOnce(&mut ActionContext<'_, '_>, u8, Position) -> Acted,
+) -> Acted {
+    let from = act.channel().state.place.position;
+    let of =
+        |rotary: bool| act.channel().state.place.layout.axes.entries().filter(move |(_, axis)| axis.rotary == rotary);
+    if of(true).all(|(slot, _)| from.at(slot) == target.at(slot)) {
+        return go(act, coded, target);
     }
+    if act.channel().state.place.is_compensated() {
+        let text =
+            format!("rotary axes cannot turn under compensation of the radius in '{}'", act.channel().block_text());
+        return Err(act.alarm(&diag::REFUSED, text));
+    }
+    let mut machine = act.channel().state.place.machine_point(&target);
+    if of(false).all(|(slot, _)| coded & slot.bit() == 0) {
+        let stands = act.channel().state.place.machine_point(&from);
+        for (slot, _) in of(false) {
+            *machine.at_mut(slot) = stands.at(slot);
+        }
+    }
+    act.channel_mut().end_tip();
+    let target = act.channel().state.place.point_of_machine(&machine);
+    let done = go(act, coded, target);
+    act.channel_mut().start_tip(false);
+    done
+}
 
-    /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work
-    /// frame.
-    #[cold]
-    pub(crate) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let format = self.channel().state.others.tip.format;
-        let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
-        let (Some(words), Some(_)) = (words, self.channel().state.place.tip()) else { return (coded, target) };
-        let given = words.map(|id| self.take(id).map(|datum| datum.value));
-        if given.iter().all(Option::is_none) {
-            return (coded, target);
-        }
-        if self.channel().state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
-            let text = format!(
-                "'{}' has angles as well as a tool direction; the direction counts",
-                self.channel().block_text()
-            );
-            self.diagnose(&diag::TIP_WORDS_MIXED, text);
-        }
-        let mut values = match self.channel().env.machine.kinematics.missing {
-            DirectionDefault::Keep => {
-                self.channel().state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default()
-            }
-            DirectionDefault::Zero => Point::default(),
-        };
-        for (slot, given) in values.iter_mut().zip(given) {
-            *slot = given.unwrap_or(*slot);
-        }
-        if let Some(slot) = self.channel_mut().state.others.tip.words.get_mut(usize::from(format)) {
-            *slot = values;
-        }
-        let tip = self.channel().state.place.geometry(&self.channel().state.place.program_point(&target));
-        let wanted = direction(format, values, tip);
-        let wanted = wanted.map(|wanted| match self.channel().state.place.frames.as_deref() {
-            Some(frames) => frames.direction(wanted),
-            None => wanted,
-        });
-        let Some(solution) = wanted.and_then(|wanted| self.shortest(wanted)) else {
-            let text = format!(
-                "the rotary axes cannot reach the tool direction of '{}'; they do not move",
-                self.channel().block_text()
-            );
-            self.diagnose(&diag::TIP_UNREACHABLE, text);
-            return (coded, target);
-        };
-        let mut coded = coded;
-        for (axis, angle) in solution {
-            *target.at_mut(axis) = angle;
-            coded |= axis.bit();
-        }
-        (coded, target)
+/// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work
+/// frame.
+#[cold]
+pub(crate) fn orient_words(act: &mut ActionContext<'_, '_>, coded: u8, mut target: Position) -> (u8, Position) {
+    let format = act.channel().state.others.tip.format;
+    let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
+    let (Some(words), Some(_)) = (words, act.channel().state.place.tip()) else { return (coded, target) };
+    let given = words.map(|id| act.take(id).map(|datum| datum.value));
+    if given.iter().all(Option::is_none) {
+        return (coded, target);
     }
+    if act.channel().state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
+        let text =
+            format!("'{}' has angles as well as a tool direction; the direction counts", act.channel().block_text());
+        act.diagnose(&diag::TIP_WORDS_MIXED, text);
+    }
+    let mut values = match act.channel().env.machine.kinematics.missing {
+        DirectionDefault::Keep => {
+            act.channel().state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default()
+        }
+        DirectionDefault::Zero => Point::default(),
+    };
+    for (slot, given) in values.iter_mut().zip(given) {
+        *slot = given.unwrap_or(*slot);
+    }
+    if let Some(slot) = act.channel_mut().state.others.tip.words.get_mut(usize::from(format)) {
+        *slot = values;
+    }
+    let tip = act.channel().state.place.geometry(&act.channel().state.place.program_point(&target));
+    let wanted = direction(format, values, tip);
+    let wanted = wanted.map(|wanted| match act.channel().state.place.frames.as_deref() {
+        Some(frames) => frames.direction(wanted),
+        None => wanted,
+    });
+    let Some(solution) = wanted.and_then(|wanted| shortest(act.channel(), wanted)) else {
+        let text = format!(
+            "the rotary axes cannot reach the tool direction of '{}'; they do not move",
+            act.channel().block_text()
+        );
+        act.diagnose(&diag::TIP_UNREACHABLE, text);
+        return (coded, target);
+    };
+    let mut coded = coded;
+    for (axis, angle) in solution {
+        *target.at_mut(axis) = angle;
+        coded |= axis.bit();
+    }
+    (coded, target)
+}
 
-    /// The solution with the least turning that stays within the limits, near where the axes are.
-    pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
-        let chain = self.channel().chain();
-        let rule =
-            PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays };
-        let pairs = chain.pairs(direction, &rule, |axis| self.channel().state.place.stand(axis));
-        let any = !pairs.iter().any(|pair| pair.inside);
-        let pick = pairs.iter().filter(|pair| any || pair.inside);
-        let chosen = chain.choose(pick, &rule, |axis| self.channel().state.place.stand(axis))?;
-        let work = |(axis, angle): &(AxisSlot, f64)| {
-            let stands = self.channel().state.place.position.at(*axis);
-            (*axis, clean(angle - self.channel().state.place.shift.at(*axis), stands) + 0.0)
-        };
-        Some(chosen.angles.iter().map(work).collect())
-    }
+/// The solution with the least turning that stays within the limits, near where the axes are.
+pub(crate) fn shortest(channel: &ChannelContext<'_>, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
+    let chain = channel.chain();
+    let rule = PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays };
+    let pairs = chain.pairs(direction, &rule, |axis| channel.state.place.stand(axis));
+    let any = !pairs.iter().any(|pair| pair.inside);
+    let pick = pairs.iter().filter(|pair| any || pair.inside);
+    let chosen = chain.choose(pick, &rule, |axis| channel.state.place.stand(axis))?;
+    let work = |(axis, angle): &(AxisSlot, f64)| {
+        let stands = channel.state.place.position.at(*axis);
+        (*axis, clean(angle - channel.state.place.shift.at(*axis), stands) + 0.0)
+    };
+    Some(chosen.angles.iter().map(work).collect())
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane do not give a circle: that is reported, and the end is reached straight.
 
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::modal::{Plane, plane};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
@@ -16,8 +18,7 @@ use nalgebra::Vector3;
 
 use super::circular_move::CircularMove;
 use crate::context::ActionContext;
-use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::modal::{Plane, plane};
+use crate::motion::feed_to_point;
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;
@@ -40,7 +41,7 @@ pub(crate) fn circle(act: &mut ActionContext<'_, '_>, plane: Plane, circle: &Cir
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_SCALED, text);
-        return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
+        return feed_to_point(act, circle.coded, circle.to, circle.feed, circle.unit);
     };
     let work = act.channel().state.place.contour();
     match roles(&sides) {
@@ -145,7 +146,7 @@ fn leaning(act: &mut ActionContext<'_, '_>, plane: Plane, circle: &CircularMove,
         for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
             *target.at_mut(axis) = value / act.channel().state.place.scale_of(role);
         }
-        act.feed_to_point(circle.coded, target, feed, circle.unit)?;
+        feed_to_point(act, circle.coded, target, feed, circle.unit)?;
     }
-    act.feed_to_point(circle.coded, circle.to, feed, circle.unit)
+    feed_to_point(act, circle.coded, circle.to, feed, circle.unit)
 }

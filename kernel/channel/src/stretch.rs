@@ -123,7 +123,7 @@ impl Along<'_, '_> {
 
     /// A circle in a plane, with or without a rise.
     fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<FeedMove> {
-        use counterpoint_machine::index::BySlot as _;
+        use counterpoint_machine::index::BySlot;
         let axes = &self.channel.state.place.layout.axes;
         let length = motion.length;
         if !(length > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {

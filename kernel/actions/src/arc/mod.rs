@@ -11,26 +11,47 @@ mod tangent;
 
 pub(crate) use define::{define_center, define_direction, define_radius};
 
-use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::cutter::MoveShape;
+use counterpoint_channel::cutter::ProgrammedMove;
+use counterpoint_channel::modal::Plane;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::modal::plane;
+use counterpoint_channel::thread::Screw;
+use counterpoint_event::event::FeedUnit;
+use counterpoint_event::event::Motion;
+use counterpoint_event::event::MotionKind;
+use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::kind::arc::{ArcDefinition, ArcForm};
-use counterpoint_machine::ident::{codes, data};
-use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::paths::{Helix, MultiTurnCircles};
+use counterpoint_machine::ident::kind::arc::ArcDefinition;
+use counterpoint_machine::ident::kind::arc::ArcForm;
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::index::BySlot;
+use counterpoint_machine::model::paths::Helix;
+use counterpoint_machine::model::paths::MultiTurnCircles;
 use counterpoint_motion::arc as geometry;
 use counterpoint_program::block::PendingCode;
 
-use super::circular_move::{CircularMove, not_made};
-use super::time::TimedPath;
+use super::circular_move::CircularMove;
+use super::circular_move::not_made;
 use super::turned;
 use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::cutter::{MoveShape, ProgrammedMove};
-use counterpoint_channel::modal::{Plane, group, plane};
-use counterpoint_channel::thread::Screw;
+use crate::entry::ActionEntry;
+use crate::entry::CompensationEffect;
+use crate::entry::entry_of_kind;
+use crate::motion::feed_to_point;
+use crate::motion::moved_axes;
+use crate::motion::programmed_targets;
+use crate::polar::circle_of_part;
+use crate::time::feed_seconds;
+use crate::timed_path::TimedPath;
+use counterpoint_channel::axis_rates::at_rates;
+use counterpoint_channel::axis_rates::feed_down;
+use counterpoint_channel::plane_points::ends_by_pole;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -105,8 +126,8 @@ fn along(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode, scr
         Some(screw) => (Some(screw.lead), FeedUnit::PerRevolution),
         None => act.feed(),
     };
-    let about_pole = act.ends_by_pole();
-    let (coded, target) = act.programmed_targets();
+    let about_pole = ends_by_pole(act.channel_mut());
+    let (coded, target) = programmed_targets(act);
     let Some((plane, flat)) = active_plane(act) else {
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
             act.take(id);
@@ -130,7 +151,7 @@ fn along(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode, scr
         let done = act.channel().becomes(&diag::ARC_DIRECTION, STRAIGHT);
         let text = format!("the circle of '{}' has no direction, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_DIRECTION, text);
-        return act.feed_to_point(coded, target, feed, unit);
+        return feed_to_point(act, coded, target, feed, unit);
     };
     let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
     if incomplete {
@@ -143,7 +164,7 @@ fn along(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode, scr
             act.channel().block_text()
         );
         act.diagnose(&diag::ARC_STRAIGHT, text);
-        return act.feed_to_point(coded, target, feed, unit);
+        return feed_to_point(act, coded, target, feed, unit);
     }
     if incomplete && act.channel().env.machine.stops_at(&diag::ARC_INCOMPLETE) {
         let text = format!(
@@ -237,7 +258,7 @@ fn cut(
         Ok(made) => made,
         Err(error) => {
             not_made(act, error);
-            return act.feed_to_point(coded, target, feed, unit);
+            return feed_to_point(act, coded, target, feed, unit);
         }
     };
     let by_angle = words.angle.is_some() && words.center.is_some();
@@ -337,7 +358,7 @@ impl ActionContext<'_, '_> {
             });
         }
         if let Some(polar) = self.channel().state.place.polar() {
-            return self.circle_of_part(polar, circle);
+            return circle_of_part(self, polar, circle);
         }
         let CircularMove { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
         let changes = self.channel().state.place.changes(&from, &to);
@@ -352,7 +373,7 @@ impl ActionContext<'_, '_> {
         let scale = |axis: AxisSlot| self.channel().state.place.layout.axes[axis].scale;
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let feed = match self.channel().state.place.frames {
-            Some(_) => self.feed_down(feed, unit, &changes, made.length()),
+            Some(_) => feed_down(self.channel(), feed, unit, &changes, made.length()),
             None => feed,
         };
         let along = match self.channel().state.place.feed_group {
@@ -364,15 +385,15 @@ impl ActionContext<'_, '_> {
         let path = TimedPath { from: &from, to: &to, length: along, arc: Some((&made, radial)) };
         let mut seconds = match &screw {
             Some(screw) => self.arc_thread_seconds(&to, (&made, [first, second]), screw)?,
-            None => self.feed_seconds(&path, feed, unit)?,
+            None => feed_seconds(self, &path, feed, unit)?,
         };
         if screw.is_none() && self.channel().state.place.frames.is_some() {
-            seconds = self.at_rates(seconds, &from, &to, None);
+            seconds = at_rates(self.channel(), seconds, &from, &to, None);
         }
         if screw.is_none() && self.channel().state.place.weighs {
             seconds = self.channel().seconds_of_group(seconds, &changes);
         }
-        let moving = self.moving(coded, &changes) | first.bit() | second.bit();
+        let moving = moved_axes(self.channel(), coded, &changes) | first.bit() | second.bit();
         self.channel_mut().state.threads.rounds = screw.is_some();
         let done = self.travel(
             seconds,

@@ -3,6 +3,9 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; an omitted coordinate is that of the start.
 
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::axis_rates::at_rates;
+use counterpoint_channel::modal::group;
 use counterpoint_event::event::{Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -14,9 +17,9 @@ use counterpoint_results::geometry::spatial;
 
 use super::check_radius;
 use crate::context::ActionContext;
-use crate::time::TimedPath;
-use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::modal::group;
+use crate::motion::moved_axes;
+use crate::time::feed_seconds;
+use crate::timed_path::TimedPath;
 
 /// An arc by way of a point.
 pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {
@@ -70,12 +73,12 @@ pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {
         length: circle.length(),
         arc: (reach > 1e-9).then_some((&flat, Some(0))),
     };
-    let seconds = act.feed_seconds(&path, feed, unit)?;
-    let seconds = act.at_rates(seconds, &from, &target, None);
+    let seconds = feed_seconds(act, &path, feed, unit)?;
+    let seconds = at_rates(act.channel(), seconds, &from, &target, None);
     let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
     let motion = Motion {
         kind: MotionKind::ArcSpace,
-        moving: swings.fold(act.moving(coded, &changes), |bits, axis| bits | 1 << axis),
+        moving: swings.fold(moved_axes(act.channel(), coded, &changes), |bits, axis| bits | 1 << axis),
         from,
         to: target,
         center: circle.bulge(start, end),

@@ -3,24 +3,24 @@
 //! Facts: reference siemens-cycles.md (CT). *Invariant:* a circle that does not exist is reported, and its end reached
 //! straight unless the channel stops.
 
+use counterpoint_channel::alarm_effect::STRAIGHT;
+use counterpoint_channel::arc::LastMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::index::AxisSlot;
-use counterpoint_machine::index::BySlot as _;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::tangent::Tangent;
 use counterpoint_motion::contour::tangent::tangent as leads;
 
 use super::{CircularMove, Flat, active_plane};
 use crate::context::ActionContext;
+use crate::motion::{feed_to_point, programmed_targets};
 use crate::turned;
-use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::arc::LastMove;
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(crate) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {
     let (feed, unit) = act.feed();
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     if coded == 0 {
         return Ok(());
     }
@@ -33,7 +33,7 @@ pub(crate) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {
     let (start, end) = (flat.point(&from), flat.point(&target));
     let leads = heading(act, &flat).map(|heading| leads(start, heading, end));
     let (center, clockwise) = match leads {
-        Some(Tangent::Line) => return act.feed_to_point(coded, target, feed, unit),
+        Some(Tangent::Line) => return feed_to_point(act, coded, target, feed, unit),
         Some(Tangent::Arc { center, clockwise, .. }) => (center, clockwise),
         Some(Tangent::Back) | None => {
             let why =
@@ -41,14 +41,14 @@ pub(crate) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {
             let done = act.channel().becomes(&diag::TANGENT_IMPOSSIBLE, STRAIGHT);
             let text = format!("the circle of '{}' is not possible: {why}, {done}", act.channel().block_text());
             act.diagnose(&diag::TANGENT_IMPOSSIBLE, text);
-            return act.feed_to_point(coded, target, feed, unit);
+            return feed_to_point(act, coded, target, feed, unit);
         }
     };
     let made = match geometry::by_center(start, end, center, clockwise) {
         Ok(made) => made,
         Err(error) => {
             super::not_made(act, error);
-            return act.feed_to_point(coded, target, feed, unit);
+            return feed_to_point(act, coded, target, feed, unit);
         }
     };
     let circle = CircularMove { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit, screw: None };

@@ -3,17 +3,18 @@
 //! Points are those of the program, in its own frame. *Invariant:* a coordinate that the angle does not determine is
 //! reported, never guessed. Facts: reference turning-cycles.md 7.2, siemens-cycles.md (ANG).
 
+use counterpoint_channel::corner::OpenLine;
+use counterpoint_channel::modal::group;
+use counterpoint_channel::plane_points::{flat, forget_corners, plane_spot, put_flat};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
-use counterpoint_machine::index::{AxisSlot, BySlot as _};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{Element, Spot, cross, direction, plus};
 
 use super::words::polar;
 use super::{ProgrammedMove, compensated_plane};
 use crate::context::ActionContext;
-use counterpoint_channel::corner::OpenLine;
-use counterpoint_channel::modal::group;
 
 /// Sine of the angle below which lines count as parallel: one degree.
 const PARALLEL: f64 = 0.017_452;
@@ -22,11 +23,6 @@ const PARALLEL: f64 = 0.017_452;
 const OFF: f64 = 0.01;
 
 impl ActionContext<'_, '_> {
-    /// Whether the line of this block gets its end from the next one.
-    pub(crate) fn opens_line(&mut self) -> bool {
-        self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
-    }
-
     /// The programmed end of a line with an angle: coded axes and target.
     pub(crate) fn by_angle(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let Some(cutter) = self.channel_mut().state.place.cutter() else { return (coded, target) };
@@ -38,10 +34,10 @@ impl ActionContext<'_, '_> {
         let bits = axes.map(AxisSlot::bit);
         let [first, second] = bits.map(|bit| coded & bit != 0);
         let from = self.channel().state.place.programmed();
-        let (start, end) = (self.flat(&from, axes), self.flat(&target, axes));
+        let (start, end) = (flat(self.channel(), &from, axes), flat(self.channel(), &target, axes));
         match (open, angle) {
             (Some(open), Some(angle)) if first && second => {
-                self.cross(open, (end, direction(angle)), axes);
+                cross_lines(self, open, (end, direction(angle)), axes);
             }
             (Some(_), _) => {
                 let text = format!(
@@ -49,7 +45,7 @@ impl ActionContext<'_, '_> {
                     self.channel().block_text()
                 );
                 self.diagnose(&diag::LINE_WITHOUT_END, text);
-                self.forget_corners();
+                forget_corners(self.channel_mut());
             }
             (None, Some(angle)) => {
                 let along = direction(angle);
@@ -70,106 +66,76 @@ impl ActionContext<'_, '_> {
                     Some(_) if first && second => {}
                     Some(spot) => {
                         let missing = usize::from(first);
-                        self.put_flat(&mut target, (axes, missing), spot);
+                        put_flat(self.channel(), &mut target, (axes, missing), spot);
                         return (coded | bits[0] | bits[1], target);
                     }
-                    None => self.not_computed("the angle and the coordinates do not give its end"),
+                    None => not_computed(self, "the angle and the coordinates do not give its end"),
                 }
             }
             (None, None) => {}
         }
         (coded, target)
     }
+}
 
-    /// Whether the end of the block's move is given by its distance and angle from the pole, which is the centre of a
-    /// circle without another centre.
-    pub(crate) fn ends_by_pole(&mut self) -> bool {
-        self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
+/// Moves the pole of polar coordinates from a point, by the words of the block.
+pub(crate) fn set_pole(act: &mut ActionContext<'_, '_>, from: Position) {
+    let Some((_, axes)) = compensated_plane(act) else {
+        let text = format!("no plane with both axes is active for the pole of '{}'", act.channel().block_text());
+        act.diagnose(&diag::CORNER_REFUSED, text);
+        return;
+    };
+    let mut pole = from;
+    for axis in axes {
+        let id = act.channel().state.place.layout.axes[axis].data;
+        *pole.at_mut(axis) += act.take(id).map_or(0.0, |datum| datum.value);
     }
-
-    /// The programmed end of a move with polar coordinates: coded axes and target.
-    pub(crate) fn polar_end(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return (coded, target) };
-        let (axes, Some([radius, angle])) = (cutter.axes, cutter.asked.polar.take()) else { return (coded, target) };
-        let spot = plus(self.flat(&self.channel().state.arcs.pole, axes), direction(angle), radius);
+    if let Some([radius, angle]) = polar(act) {
+        let spot = plus(flat(act.channel(), &pole, axes), direction(angle), radius);
         for at in [0, 1] {
-            self.put_flat(&mut target, (axes, at), spot);
+            put_flat(act.channel(), &mut pole, (axes, at), spot);
         }
-        (coded | axes.iter().fold(0, |bits, axis| bits | axis.bit()), target)
     }
+    act.channel_mut().state.arcs.pole = pole;
+}
 
-    /// Moves the pole of polar coordinates from a point, by the words of the block.
-    pub(crate) fn set_pole(&mut self, from: Position) {
-        let Some((_, axes)) = compensated_plane(self) else {
-            let text = format!("no plane with both axes is active for the pole of '{}'", self.channel().block_text());
-            self.diagnose(&diag::CORNER_REFUSED, text);
-            return;
-        };
-        let mut pole = from;
-        for axis in axes {
-            let id = self.channel().state.place.layout.axes[axis].data;
-            *pole.at_mut(axis) += self.take(id).map_or(0.0, |datum| datum.value);
-        }
-        if let Some([radius, angle]) = polar(self) {
-            let spot = plus(self.flat(&pole, axes), direction(angle), radius);
-            for at in [0, 1] {
-                self.put_flat(&mut pole, (axes, at), spot);
-            }
-        }
-        self.channel_mut().state.arcs.pole = pole;
-    }
+fn not_computed(act: &mut ActionContext<'_, '_>, why: &str) {
+    let text = format!("the line of '{}' is not computed: {why}", act.channel().block_text());
+    act.diagnose(&diag::LINE_NOT_COMPUTED, text);
+}
 
-    fn not_computed(&mut self, why: &str) {
-        let text = format!("the line of '{}' is not computed: {why}", self.channel().block_text());
-        self.diagnose(&diag::LINE_NOT_COMPUTED, text);
+/// Ends the line that waits where it meets another one.
+fn cross_lines(act: &mut ActionContext<'_, '_>, open: OpenLine, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
+    let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+        || act.channel().block.words.iter().any(|word| word.incremental);
+    let start = flat(act.channel(), &open.from, axes);
+    let by = cross(open.along, along);
+    if relative || by.abs() < PARALLEL {
+        let why = if relative { "its end is incremental" } else { "it is parallel to the line before it" };
+        not_computed(act, why);
+        forget_corners(act.channel_mut());
+        return;
     }
+    let meets = plus(start, open.along, cross(plus(end, start, -1.0), along) / by);
+    let mut point = open.from;
+    for at in [0, 1] {
+        put_flat(act.channel(), &mut point, (axes, at), meets);
+    }
+    let [from, to] = [open.from, point].map(|programmed| act.channel_mut().state.place.work_point(&programmed));
+    let [first, last] = [from, to].map(|work| plane_spot(act.channel(), &work, axes));
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return };
+    let Some(waiting) = cutter.waiting.last_mut() else { return };
+    waiting.open = None;
+    for (slot, value) in waiting.step.to.iter_mut().zip(&to) {
+        *slot = *value;
+    }
+    let element = Element { from: first, to: last, arc: None };
+    waiting.element = Some(element).filter(|element| element.length() > 1e-7);
+    cutter.contour = to;
+}
 
-    /// Ends the line that waits where it meets another one.
-    fn cross(&mut self, open: OpenLine, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
-        let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
-            || self.channel().block.words.iter().any(|word| word.incremental);
-        let start = self.flat(&open.from, axes);
-        let by = cross(open.along, along);
-        if relative || by.abs() < PARALLEL {
-            let why = if relative { "its end is incremental" } else { "it is parallel to the line before it" };
-            self.not_computed(why);
-            self.forget_corners();
-            return;
-        }
-        let meets = plus(start, open.along, cross(plus(end, start, -1.0), along) / by);
-        let mut point = open.from;
-        for at in [0, 1] {
-            self.put_flat(&mut point, (axes, at), meets);
-        }
-        let [from, to] = [open.from, point].map(|programmed| self.channel_mut().state.place.work_point(&programmed));
-        let [first, last] = [from, to].map(|work| self.plane_spot(&work, axes));
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return };
-        let Some(waiting) = cutter.waiting.last_mut() else { return };
-        waiting.open = None;
-        for (slot, value) in waiting.step.to.iter_mut().zip(&to) {
-            *slot = *value;
-        }
-        let element = Element { from: first, to: last, arc: None };
-        waiting.element = Some(element).filter(|element| element.length() > 1e-7);
-        cutter.contour = to;
-    }
-
-    /// A programmed point in the plane, as geometry.
-    fn flat(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
-        axes.map(|axis| self.radial(of, axis))
-    }
-
-    /// Sets one coordinate of a programmed point to that of a point.
-    fn put_flat(&self, position: &mut Position, (axes, at): ([AxisSlot; 2], usize), spot: Spot) {
-        let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
-        let scale = self.channel().state.place.layout.axes[axis].scale;
-        let slot = position.at_mut(axis);
-        *slot = counterpoint_channel::frames::clean(value / scale, *slot);
-    }
-
-    /// A line without an end waits for the next one.
-    pub(crate) fn wait_for_end(&mut self, step: ProgrammedMove) {
-        let corner = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.corner.take());
-        self.wait(step, None, corner);
-    }
+/// A line without an end waits for the next one.
+pub(crate) fn wait_for_end(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) {
+    let corner = act.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.corner.take());
+    act.wait(step, None, corner);
 }

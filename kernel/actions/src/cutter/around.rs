@@ -5,6 +5,9 @@
 //! radius about the end, and the tool goes around as at an outside corner. *Invariant:* in front of the contour nothing
 //! here changes the path.
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::modal::plane;
+use counterpoint_channel::plane_points::spot_of;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
@@ -13,7 +16,8 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distanc
 
 use super::{CutterCompensation, ProgrammedMove};
 use crate::context::ActionContext;
-use counterpoint_channel::modal::plane;
+use crate::cutter::moves::{cutter_offset, make_links};
+use crate::cutter::smooth::refuse_way;
 
 /// Compensation is that of the frame, and the local frame tilts its plane.
 pub(crate) fn frame_tilts(act: &ActionContext<'_, '_>, plane_code: CodeId) -> bool {
@@ -36,60 +40,66 @@ pub(crate) fn frame_tilts(act: &ActionContext<'_, '_>, plane_code: CodeId) -> bo
 impl ActionContext<'_, '_> {
     /// The way around the beginning of a contour from a point behind it (KONT).
     pub(crate) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<CornerPath>, diag::Halt> {
-        let Some(cutter) = self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()) else {
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned().filter(|_| goes_around(self.channel()))
+        else {
             return Ok(None);
         };
-        let (here, corner) = (self.spot_of(&cutter), element.to);
+        let (here, corner) = (spot_of(self.channel(), &cutter), element.to);
         let way = plus(corner, here, -1.0);
         if cross(next.start(), way) * cutter.side < NOISE {
             return Ok(None);
         }
-        let Some(along) = self.tangent(&cutter, way, cutter.side, 10755)? else { return Ok(None) };
-        let offset = self.offset(&cutter);
+        let Some(along) = tangent(self, &cutter, way, cutter.side, 10755)? else { return Ok(None) };
+        let offset = cutter_offset(self.channel(), &cutter);
         let first = Element { from: plus(corner, along, -distance(here, corner)), to: corner, arc: None };
         Ok(Some(offset.between(&first, next, here)))
     }
+}
 
-    /// The way around the end of a contour to a point behind it.
-    pub(crate) fn around_end(&mut self, step: &ProgrammedMove, element: &Element, end: Option<(Spot, Spot)>) -> Acted {
-        let Some((cutter, (corner, heading))) =
-            self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()).zip(end)
-        else {
-            return Ok(());
-        };
-        let way = plus(element.to, corner, -1.0);
-        if cross(heading, way) * cutter.side > -NOISE {
-            return Ok(());
-        }
-        let Some(along) = self.tangent(&cutter, way, -cutter.side, 10756)? else { return Ok(()) };
-        let next = Element { from: corner, to: plus(corner, along, 1.0), arc: None };
-        let links = self.offset(&cutter).outside(corner, heading, &next);
-        let level = self.channel().state.place.position;
-        self.links((step, element), &cutter, &links, level)
+/// The way around the end of a contour to a point behind it.
+pub(crate) fn around_end(
+    act: &mut ActionContext<'_, '_>,
+    step: &ProgrammedMove,
+    element: &Element,
+    end: Option<(Spot, Spot)>,
+) -> Acted {
+    let Some((cutter, (corner, heading))) =
+        act.channel_mut().state.place.cutter().cloned().filter(|_| goes_around(act.channel())).zip(end)
+    else {
+        return Ok(());
+    };
+    let way = plus(element.to, corner, -1.0);
+    if cross(heading, way) * cutter.side > -NOISE {
+        return Ok(());
     }
+    let Some(along) = tangent(act, &cutter, way, -cutter.side, 10756)? else { return Ok(()) };
+    let next = Element { from: corner, to: plus(corner, along, 1.0), arc: None };
+    let links = cutter_offset(act.channel(), &cutter).outside(corner, heading, &next);
+    let level = act.channel().state.place.position;
+    make_links(act, (step, element), &cutter, &links, level)
+}
 
-    /// Compensation goes around the ends of contours.
-    fn goes_around(&self) -> bool {
-        const AROUND: u16 = 145;
-        self.channel().state.modal.code(AROUND) == Some(codes::CONTOUR_AROUND)
-    }
+/// Compensation goes around the ends of contours.
+fn goes_around(channel: &ChannelContext<'_>) -> bool {
+    const AROUND: u16 = 145;
+    channel.state.modal.code(AROUND) == Some(codes::CONTOUR_AROUND)
+}
 
-    /// Direction of the line over a path beside a corner that stays the radius away from it, turned to a side.
-    fn tangent(
-        &mut self,
-        cutter: &CutterCompensation,
-        way: Spot,
-        side: f64,
-        alarm: u32,
-    ) -> Result<Option<Spot>, diag::Halt> {
-        let length = distance(way, [0.0; 2]);
-        if length < cutter.radius - NOISE {
-            self.refuse_way("the point behind the contour is nearer to its end than the radius of the tool", alarm)?;
-            return Ok(None);
-        }
-        let turn = side * libm::asin((cutter.radius / length).min(1.0));
-        let (sine, cosine) = libm::sincos(turn);
-        let [x, y] = way.map(|part| part / length);
-        Ok(Some([x * cosine - y * sine, x * sine + y * cosine]))
+/// Direction of the line over a path beside a corner that stays the radius away from it, turned to a side.
+fn tangent(
+    act: &mut ActionContext<'_, '_>,
+    cutter: &CutterCompensation,
+    way: Spot,
+    side: f64,
+    alarm: u32,
+) -> Result<Option<Spot>, diag::Halt> {
+    let length = distance(way, [0.0; 2]);
+    if length < cutter.radius - NOISE {
+        refuse_way(act, "the point behind the contour is nearer to its end than the radius of the tool", alarm)?;
+        return Ok(None);
     }
+    let turn = side * libm::asin((cutter.radius / length).min(1.0));
+    let (sine, cosine) = libm::sincos(turn);
+    let [x, y] = way.map(|part| part / length);
+    Ok(Some([x * cosine - y * sine, x * sine + y * cosine]))
 }

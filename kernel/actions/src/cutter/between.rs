@@ -4,14 +4,16 @@
 //! change nothing; more of them, and blocks that keep the control from reading ahead, let the move end beside its own
 //! end. *Invariant:* an inside corner that is cut into for this reason is reported.
 
-use super::{corner, smooth};
-use crate::context::ActionContext;
-use crate::entry::CompensationEffect;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::cutter::ProgrammedMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::model::LengthInMachineFrame;
+
+use super::{corner, smooth};
+use crate::context::ActionContext;
+use crate::entry::CompensationEffect;
 
 /// The effect of an action on a waiting move.
 pub(crate) fn before(act: &mut ActionContext<'_, '_>, contour: CompensationEffect, code: CodeId) -> Acted {
@@ -101,15 +103,6 @@ fn parts_corner(act: &mut ActionContext<'_, '_>, contour: CompensationEffect, co
 }
 
 impl ActionContext<'_, '_> {
-    /// A move of length zero counts for several blocks without a move.
-    pub(crate) fn count_zero_move(&mut self, step: &ProgrammedMove) {
-        let counts = self.channel().env.machine.compensation.between.zero_move;
-        let stays = self.channel().state.place.contour() == step.to;
-        if let Some(cutter) = self.channel_mut().state.place.cutter().filter(|_| stays) {
-            cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
-        }
-    }
-
     /// Reports an inside corner whose first move did not know the second move.
     pub(crate) fn report_overcut(&mut self, ended: u32) {
         let text = format!(
@@ -118,5 +111,14 @@ impl ActionContext<'_, '_> {
             self.channel().block_text()
         );
         self.diagnose(&diag::CORNER_OVERCUT, text);
+    }
+}
+
+/// A move of length zero counts for several blocks without a move.
+pub(crate) fn count_zero_move(channel: &mut ChannelContext<'_>, step: &ProgrammedMove) {
+    let counts = channel.env.machine.compensation.between.zero_move;
+    let stays = channel.state.place.contour() == step.to;
+    if let Some(cutter) = channel.state.place.cutter().filter(|_| stays) {
+        cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
     }
 }

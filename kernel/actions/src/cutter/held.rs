@@ -4,9 +4,11 @@
 //! the move has been made, all events held back are shifted by its time. *Invariant:* none of them comes before the last
 //! microstep of the move, even if the move took no time because an alarm ended it.
 
-use crate::context::ActionContext;
+use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::cutter::WaitingMove;
 use counterpoint_event::event::Event;
+
+use crate::context::ActionContext;
 
 /// Shift of the effects that are held back behind the moves made so far.
 #[derive(Clone, Copy, Default)]
@@ -34,24 +36,27 @@ impl HeldShift {
 /// Releases all held events at their times, without the move before them.
 pub(crate) fn release_held(act: &mut ActionContext<'_, '_>) {
     let mut events = act.channel_mut().emitter.release().into_iter();
-    act.put_back_events(&mut events, usize::MAX, HeldShift::default());
+    put_back_events(act.channel_mut(), &mut events, usize::MAX, HeldShift::default());
 }
 
-impl ActionContext<'_, '_> {
-    /// Releases held events up to (not including) the event with this number.
-    pub(crate) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, shift: HeldShift) {
-        for mut event in events.by_ref().take(count) {
-            (event.t_ns, event.micro) = shift.of((event.t_ns, event.micro));
-            self.channel_mut().emitter.push(event);
-        }
+/// Releases held events up to (not including) the event with this number.
+pub(crate) fn put_back_events(
+    channel: &mut ChannelContext<'_>,
+    events: &mut std::vec::IntoIter<Event>,
+    count: usize,
+    shift: HeldShift,
+) {
+    for mut event in events.by_ref().take(count) {
+        (event.t_ns, event.micro) = shift.of((event.t_ns, event.micro));
+        channel.emitter.push(event);
     }
+}
 
-    /// Goes to the time and block of a waiting move.
-    pub(crate) fn go_to(&mut self, waiting: &WaitingMove, shift: HeldShift) {
-        let at = &mut self.channel_mut().at;
-        (at.clock, at.micro) = shift.of((waiting.clock, waiting.micro));
-        self.channel_mut().at.go_to(waiting.place);
-        self.channel_mut().text.edited.clone_from(&waiting.text);
-        self.channel_mut().block.flags.exact_stop = waiting.exact;
-    }
+/// Goes to the time and block of a waiting move.
+pub(crate) fn go_to(channel: &mut ChannelContext<'_>, waiting: &WaitingMove, shift: HeldShift) {
+    let at = &mut channel.at;
+    (at.clock, at.micro) = shift.of((waiting.clock, waiting.micro));
+    channel.at.go_to(waiting.place);
+    channel.text.edited.clone_from(&waiting.text);
+    channel.block.flags.exact_stop = waiting.exact;
 }

@@ -5,15 +5,14 @@
 //! that other channels may see; every way out of compensation finishes the waiting move. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
-mod angle;
+pub(crate) mod angle;
 mod around;
 mod between;
 mod corner;
 mod held;
 pub(crate) mod mirror;
-mod moves;
-mod nose;
-mod resized;
+pub(crate) mod moves;
+pub(crate) mod resized;
 pub(crate) mod smooth;
 mod wall;
 mod words;
@@ -22,6 +21,12 @@ pub(crate) use between::before;
 pub(crate) use resized::resized;
 pub(crate) use words::{code as corner_code, has_words, with_words};
 
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::corner::{ContourRequest, CornerRequest};
+use counterpoint_channel::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
+use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::plane_points::{forget_corners, plane_spot};
+use counterpoint_channel::tool_radius::{cutter_radius, nose_tip};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -30,10 +35,14 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 use crate::context::ActionContext;
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::corner::{ContourRequest, CornerRequest};
-use counterpoint_channel::cutter::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove};
-use counterpoint_channel::modal::{group, plane};
+use crate::cutter::angle::wait_for_end;
+use crate::cutter::around::around_end;
+use crate::cutter::between::count_zero_move;
+use crate::cutter::corner::{corner_at_switch, corner_of, cut_corners, used_up, without_waiting};
+use crate::cutter::moves::{come_to, last_move, next_element, on_contour, straight, take_distortion};
+use crate::cutter::resized::resize;
+use crate::cutter::smooth::{refuse_way, smooth_step};
+use crate::time::check_feed;
 
 /// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;
@@ -59,7 +68,7 @@ pub(crate) fn switched(act: &mut ActionContext<'_, '_>, code: CodeId) -> Acted {
         leave(act);
         return Ok(());
     }
-    let radius = act.cutter_radius(number) + contour_allowance(act);
+    let radius = cutter_radius(act.channel(), number) + contour_allowance(act);
     act.channel().check_stop()?;
     if radius == 0.0 {
         no_radius(act, number);
@@ -83,7 +92,7 @@ pub(crate) fn switched(act: &mut ActionContext<'_, '_>, code: CodeId) -> Acted {
         return act.channel().check_stop();
     }
     wall::at_vector(act, plane_code, axes);
-    let tip = act.nose_tip(number, plane_code);
+    let tip = nose_tip(act.channel(), number, plane_code);
     let contour = act.channel().state.place.contour();
     let side = if mirror::is_mirrored(act) { -side } else { side };
     let before = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain);
@@ -131,7 +140,9 @@ pub(crate) fn beside(act: &mut ActionContext<'_, '_>, side: Option<f64>) -> Acte
     };
     let before = (act.channel().state.modal.code(group::DIAMETER), act.channel().state.modal.row(group::DIAMETER));
     act.channel_mut().state.modal.activate(group::DIAMETER, code, None);
-    if side.is_none() || act.channel().diameter_in_force().is_some_and(|number| act.cutter_radius(number) > 0.0) {
+    if side.is_none()
+        || act.channel().diameter_in_force().is_some_and(|number| cutter_radius(act.channel(), number) > 0.0)
+    {
         return switched(act, code);
     }
     if let (Some(code), row) = before {
@@ -178,7 +189,7 @@ fn compensated_plane(act: &ActionContext<'_, '_>) -> Option<(CodeId, [AxisSlot; 
 /// Polar or cylindrical interpolation has been switched: another plane, in which compensation begins again.
 pub(crate) fn plane_changed(act: &mut ActionContext<'_, '_>) {
     let number = act.channel().diameter_in_force().unwrap_or(0);
-    let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
+    let made = compensated_plane(act).map(|(code, axes)| (axes, nose_tip(act.channel(), number, code)));
     let Some(cutter) = act.channel_mut().state.place.cutter() else { return };
     if !cutter.stage.is_ending() {
         cutter.stage = CompensationStage::Start;
@@ -212,7 +223,7 @@ pub(crate) fn to_contour(act: &mut ActionContext<'_, '_>, feed: Option<f64>, uni
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
     let shape = if feed.0.is_some() { MoveShape::Linear } else { MoveShape::Rapid };
-    act.straight(&ProgrammedMove { shape, coded: 0, to, feed: feed.0, unit }, to)
+    straight(act, &ProgrammedMove { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
 /// Called after a thread, which goes without compensation: the next moves approach the contour again.
@@ -224,213 +235,6 @@ pub(crate) fn after_thread(act: &mut ActionContext<'_, '_>) {
 }
 
 impl ActionContext<'_, '_> {
-    /// Takes a move: it may wait for the next one.
-    pub(crate) fn compensate(&mut self, step: ProgrammedMove) -> Acted {
-        let last = self.last_move(&step);
-        let done = self.take_step(step);
-        self.channel_mut().state.arcs.last = last;
-        done
-    }
-
-    /// Makes or keeps back a move.
-    fn take_step(&mut self, step: ProgrammedMove) -> Acted {
-        self.channel().check_stop()?;
-        if !matches!(step.shape, MoveShape::Rapid) {
-            self.check_feed(step.feed)?;
-        }
-        if self.channel().state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
-            return self.along_vector(step);
-        }
-        self.take_distortion();
-        if self.block_has(data::CONTOUR_ALLOWANCE)
-            && let Some(code) = self.channel().state.modal.code(group::DIAMETER)
-            && code != codes::COMP_DIAM_OFF
-        {
-            switched(self, code)?;
-        }
-        let from = self.channel().state.place.contour();
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
-        if let Some(smooth) = cutter.smooth.take() {
-            return self.smooth_step(step, smooth);
-        }
-        let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
-        if cutter.asked.open.is_some() && !stage.is_ending() && !cutter.suspended {
-            self.wait_for_end(step);
-            return Ok(());
-        }
-        if cutter.suspended {
-            cutter.stage = CompensationStage::Start;
-            cutter.contour = step.to;
-            return self.on_contour(&step);
-        }
-        let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
-        self.channel().check_stop()?;
-        let rapid = matches!(step.shape, MoveShape::Rapid);
-        let round = matches!(step.shape, MoveShape::Circle { .. });
-        let rules = self.channel().env.machine.compensation;
-        match stage {
-            CompensationStage::Ending(end) => {
-                self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
-                self.corner_at_switch("off");
-                self.channel().check_stop()?;
-                self.around_end(&step, &element, end)?;
-                self.channel_mut().state.place.forget_cutter();
-                return self.on_contour(&step);
-            }
-            CompensationStage::Start if first => {
-                self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs));
-                if self.channel().env.machine.is_alarm(&diag::CORNER_AT_COMPENSATION) {
-                    self.corner_at_switch("on");
-                }
-            }
-            CompensationStage::Start
-            | CompensationStage::On
-            | CompensationStage::Turned
-            | CompensationStage::Settled { .. }
-            | CompensationStage::Around { .. } => {}
-        }
-        self.channel().check_stop()?;
-        let mut element = element;
-        self.cut_corners(&step, &mut element)?;
-        if element.length() < NOISE {
-            return self.used_up(step, &element);
-        }
-        self.next_element(Some(&element))?;
-        self.come_to(&step, &element)?;
-        self.resize(&step, &element)?;
-        let corner = self.corner_of(&step);
-        if corner.is_none() && self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.plain) {
-            return self.without_waiting(&step, &element);
-        }
-        self.wait(step, Some(element), corner);
-        Ok(())
-    }
-
-    /// Compensation is switched by a move that the machine does not take for it.
-    fn report_switch(&mut self, step: &ProgrammedMove, what: &str, (rapid, round): (bool, bool)) {
-        let on = what == "on";
-        let (facts, kind) = match (rapid, round, step.shape) {
-            (true, ..) if on => (&diag::COMP_ON_RAPID, "a rapid move"),
-            (true, ..) => (&diag::COMP_OFF_RAPID, "a rapid move"),
-            (_, true, _) if on => (&diag::COMP_ON_ARC, "a circle"),
-            (_, true, _) => (&diag::COMP_OFF_ARC, "a circle"),
-            _ => return,
-        };
-        let text = format!("cutter compensation is switched {what} by {kind} in '{}'", self.channel().block_text());
-        self.diagnose(facts, text);
-    }
-
-    /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
-    fn element(&mut self, step: &ProgrammedMove, from: &Position, axes: [AxisSlot; 2]) -> Option<Element> {
-        let [start, end] = [from, &step.to].map(|of| self.plane_spot(of, axes));
-        match step.shape {
-            MoveShape::Circle { made, axes: own, .. } if own == axes => {
-                Some(Element { from: start, to: end, arc: Some(made) })
-            }
-            MoveShape::Circle { .. } => {
-                let text = format!(
-                    "the circle of '{}' is in another plane than its compensation",
-                    self.channel().block_text()
-                );
-                self.diagnose(&diag::CUTTER_PLANE, text);
-                (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None })
-            }
-            _ => (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None }),
-        }
-    }
-
-    /// A move beside the plane: with a move that waits it waits too.
-    fn out_of_plane(&mut self, step: ProgrammedMove) -> Acted {
-        let stands = self.channel().state.place.position;
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
-        let due = cutter.is_due();
-        if due && self.channel().env.machine.corners.dwell_only {
-            self.flush_lookahead()?;
-            return self.out_of_plane(step);
-        }
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
-        if !cutter.waiting.is_empty() {
-            self.count_zero_move(&step);
-            self.wait(step, None, None);
-            return Ok(());
-        }
-        cutter.contour = step.to;
-        let to = cutter.lifted(&step.to, &stands);
-        self.straight(&step, to)?;
-        corner::end(self);
-        Ok(())
-    }
-
-    /// The vector form: every straight move ends beside its point, in the direction of the vector.
-    fn along_vector(&mut self, step: ProgrammedMove) -> Acted {
-        let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
-        let vector = &mut self.channel_mut().state.place.compensation.vector;
-        for (slot, word) in vector.iter_mut().zip(words) {
-            *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
-        }
-        let vector = *vector;
-        let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let mut to = step.to;
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
-        cutter.contour = step.to;
-        let ending = cutter.stage.is_ending();
-        let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
-        for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.channel().state.place.layout.cartesian.get(role).copied().flatten();
-            if let Some(axis) = axis {
-                *to.at_mut(axis) += part * radius / self.channel().state.place.scale_of(role);
-            }
-        }
-        if ending {
-            self.channel_mut().state.place.forget_cutter();
-        }
-        self.straight(&step, to)
-    }
-
-    /// The program has ended: the waiting move is made, unless the job has been stopped.
-    pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
-        if !self.channel().state.place.is_compensated() {
-            return halt;
-        }
-        let pending = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
-        if pending.is_some()
-            && matches!(halt, Halt::ProgramEnd(_))
-            && let Err(stop) = self.refuse_way("the program ends before the contour of a soft approach", 10740)
-        {
-            self.channel_mut().state.place.forget_cutter();
-            return stop;
-        }
-        if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
-            // Blocks programmed before the alarm are executed.
-            self.channel_mut().reports.alarms.stopping = false;
-            if halt == Halt::Alarm {
-                self.forget_corners();
-            }
-            let settled = self.flush_lookahead();
-            self.channel_mut().state.place.forget_cutter();
-            return settled.err().unwrap_or(halt);
-        }
-        held::release_held(self);
-        self.channel_mut().state.place.forget_cutter();
-        halt
-    }
-
-    /// A macro has made another code of compensation active.
-    pub(crate) fn switch_compensation(&mut self) -> Acted {
-        match self.channel().state.modal.code(group::DIAMETER) {
-            Some(code) => switched(self, code),
-            None => Ok(()),
-        }
-    }
-
-    /// Finishes a move that has waited too long, or before a hole one with a corner at its end.
-    pub(crate) fn flush_due(&mut self, hole: bool) -> Acted {
-        let now = self.channel().at.blocks;
-        let is_due = |waits: &WaitingMove| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
-        let is_due = self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
-        if is_due { self.flush_lookahead() } else { Ok(()) }
-    }
-
     /// Keeps a move back, and all later events.
     fn wait(&mut self, step: ProgrammedMove, element: Option<Element>, corner: Option<CornerRequest>) {
         let ChannelContext { at, block: now, text, .. } = self.channel();
@@ -468,4 +272,216 @@ impl ActionContext<'_, '_> {
         self.channel_mut().block.flags.moved = true;
         self.note_effect();
     }
+}
+
+impl ActionContext<'_, '_> {
+    /// Takes a move: it may wait for the next one.
+    pub(crate) fn compensate(&mut self, step: ProgrammedMove) -> Acted {
+        let last = last_move(self.channel(), &step);
+        let done = take_step(self, step);
+        self.channel_mut().state.arcs.last = last;
+        done
+    }
+}
+
+/// Makes or keeps back a move.
+fn take_step(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted {
+    act.channel().check_stop()?;
+    if !matches!(step.shape, MoveShape::Rapid) {
+        check_feed(act, step.feed)?;
+    }
+    if act.channel().state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
+        return along_vector(act, step);
+    }
+    take_distortion(act);
+    if act.block_has(data::CONTOUR_ALLOWANCE)
+        && let Some(code) = act.channel().state.modal.code(group::DIAMETER)
+        && code != codes::COMP_DIAM_OFF
+    {
+        switched(act, code)?;
+    }
+    let from = act.channel().state.place.contour();
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
+    if let Some(smooth) = cutter.smooth.take() {
+        return smooth_step(act, step, smooth);
+    }
+    let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
+    if cutter.asked.open.is_some() && !stage.is_ending() && !cutter.suspended {
+        wait_for_end(act, step);
+        return Ok(());
+    }
+    if cutter.suspended {
+        cutter.stage = CompensationStage::Start;
+        cutter.contour = step.to;
+        return on_contour(act, &step);
+    }
+    let Some(element) = element(act, &step, &from, axes) else { return out_of_plane(act, step) };
+    act.channel().check_stop()?;
+    let rapid = matches!(step.shape, MoveShape::Rapid);
+    let round = matches!(step.shape, MoveShape::Circle { .. });
+    let rules = act.channel().env.machine.compensation;
+    match stage {
+        CompensationStage::Ending(end) => {
+            report_switch(act, &step, "off", (rapid && !rules.rapid, round && !rules.arcs));
+            corner_at_switch(act, "off");
+            act.channel().check_stop()?;
+            around_end(act, &step, &element, end)?;
+            act.channel_mut().state.place.forget_cutter();
+            return on_contour(act, &step);
+        }
+        CompensationStage::Start if first => {
+            report_switch(act, &step, "on", (rapid && !rules.rapid, round && !rules.arcs));
+            if act.channel().env.machine.is_alarm(&diag::CORNER_AT_COMPENSATION) {
+                corner_at_switch(act, "on");
+            }
+        }
+        CompensationStage::Start
+        | CompensationStage::On
+        | CompensationStage::Turned
+        | CompensationStage::Settled { .. }
+        | CompensationStage::Around { .. } => {}
+    }
+    act.channel().check_stop()?;
+    let mut element = element;
+    cut_corners(act, &step, &mut element)?;
+    if element.length() < NOISE {
+        return used_up(act, step, &element);
+    }
+    next_element(act, Some(&element))?;
+    come_to(act, &step, &element)?;
+    resize(act, &step, &element)?;
+    let corner = corner_of(act, &step);
+    if corner.is_none() && act.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.plain) {
+        return without_waiting(act, &step, &element);
+    }
+    act.wait(step, Some(element), corner);
+    Ok(())
+}
+
+/// Compensation is switched by a move that the machine does not take for it.
+fn report_switch(act: &mut ActionContext<'_, '_>, step: &ProgrammedMove, what: &str, (rapid, round): (bool, bool)) {
+    let on = what == "on";
+    let (facts, kind) = match (rapid, round, step.shape) {
+        (true, ..) if on => (&diag::COMP_ON_RAPID, "a rapid move"),
+        (true, ..) => (&diag::COMP_OFF_RAPID, "a rapid move"),
+        (_, true, _) if on => (&diag::COMP_ON_ARC, "a circle"),
+        (_, true, _) => (&diag::COMP_OFF_ARC, "a circle"),
+        _ => return,
+    };
+    let text = format!("cutter compensation is switched {what} by {kind} in '{}'", act.channel().block_text());
+    act.diagnose(facts, text);
+}
+
+/// The piece of the contour that a move makes in the plane; none if it stays on its spot.
+fn element(
+    act: &mut ActionContext<'_, '_>,
+    step: &ProgrammedMove,
+    from: &Position,
+    axes: [AxisSlot; 2],
+) -> Option<Element> {
+    let [start, end] = [from, &step.to].map(|of| plane_spot(act.channel(), of, axes));
+    match step.shape {
+        MoveShape::Circle { made, axes: own, .. } if own == axes => {
+            Some(Element { from: start, to: end, arc: Some(made) })
+        }
+        MoveShape::Circle { .. } => {
+            let text =
+                format!("the circle of '{}' is in another plane than its compensation", act.channel().block_text());
+            act.diagnose(&diag::CUTTER_PLANE, text);
+            (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None })
+        }
+        _ => (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None }),
+    }
+}
+
+/// A move beside the plane: with a move that waits it waits too.
+fn out_of_plane(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted {
+    let stands = act.channel().state.place.position;
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
+    let due = cutter.is_due();
+    if due && act.channel().env.machine.corners.dwell_only {
+        act.flush_lookahead()?;
+        return out_of_plane(act, step);
+    }
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
+    if !cutter.waiting.is_empty() {
+        count_zero_move(act.channel_mut(), &step);
+        act.wait(step, None, None);
+        return Ok(());
+    }
+    cutter.contour = step.to;
+    let to = cutter.lifted(&step.to, &stands);
+    straight(act, &step, to)?;
+    corner::end(act);
+    Ok(())
+}
+
+/// The vector form: every straight move ends beside its point, in the direction of the vector.
+fn along_vector(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted {
+    let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| act.take(id).map(|d| d.value));
+    let vector = &mut act.channel_mut().state.place.compensation.vector;
+    for (slot, word) in vector.iter_mut().zip(words) {
+        *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
+    }
+    let vector = *vector;
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let mut to = step.to;
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
+    cutter.contour = step.to;
+    let ending = cutter.stage.is_ending();
+    let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
+    for (role, part) in vector.into_iter().enumerate() {
+        let axis = act.channel().state.place.layout.cartesian.get(role).copied().flatten();
+        if let Some(axis) = axis {
+            *to.at_mut(axis) += part * radius / act.channel().state.place.scale_of(role);
+        }
+    }
+    if ending {
+        act.channel_mut().state.place.forget_cutter();
+    }
+    straight(act, &step, to)
+}
+
+/// The program has ended: the waiting move is made, unless the job has been stopped.
+pub(crate) fn end_compensation(act: &mut ActionContext<'_, '_>, halt: Halt) -> Halt {
+    if !act.channel().state.place.is_compensated() {
+        return halt;
+    }
+    let pending = act.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
+    if pending.is_some()
+        && matches!(halt, Halt::ProgramEnd(_))
+        && let Err(stop) = refuse_way(act, "the program ends before the contour of a soft approach", 10740)
+    {
+        act.channel_mut().state.place.forget_cutter();
+        return stop;
+    }
+    if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
+        // Blocks programmed before the alarm are executed.
+        act.channel_mut().reports.alarms.stopping = false;
+        if halt == Halt::Alarm {
+            forget_corners(act.channel_mut());
+        }
+        let settled = act.flush_lookahead();
+        act.channel_mut().state.place.forget_cutter();
+        return settled.err().unwrap_or(halt);
+    }
+    held::release_held(act);
+    act.channel_mut().state.place.forget_cutter();
+    halt
+}
+
+/// A macro has made another code of compensation active.
+pub(crate) fn switch_compensation(act: &mut ActionContext<'_, '_>) -> Acted {
+    match act.channel().state.modal.code(group::DIAMETER) {
+        Some(code) => switched(act, code),
+        None => Ok(()),
+    }
+}
+
+/// Finishes a move that has waited too long, or before a hole one with a corner at its end.
+pub(crate) fn flush_due(act: &mut ActionContext<'_, '_>, hole: bool) -> Acted {
+    let now = act.channel().at.blocks;
+    let is_due = |waits: &WaitingMove| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
+    let is_due = act.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
+    if is_due { act.flush_lookahead() } else { Ok(()) }
 }

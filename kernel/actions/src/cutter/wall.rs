@@ -6,14 +6,17 @@
 //! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside
 //! and outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
 
-use super::compensated_plane;
-use crate::context::ActionContext;
 use counterpoint_channel::modal::{group, plane};
+use counterpoint_channel::plane_points::plane_spot;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distance, plus};
 use counterpoint_program::block::ContourEnd;
+
+use super::compensated_plane;
+use crate::context::ActionContext;
+use crate::cutter::moves::next_element;
 
 /// Length of the wall: longer than any tool is wide.
 const LONG: f64 = 100_000.0;
@@ -41,7 +44,7 @@ pub(crate) fn at_wall(act: &mut ActionContext<'_, '_>) -> Acted {
     }
     last.end = ContourEnd::Sharp;
     let to = plus(from, along, LONG / length);
-    act.next_element(Some(&Element { from, to, arc: None }))
+    next_element(act, Some(&Element { from, to, arc: None }))
 }
 
 /// The end of the last move in the plane, and the direction from the centre words of the block.
@@ -56,7 +59,7 @@ fn direction(act: &mut ActionContext<'_, '_>, code: CodeId, axes: [AxisSlot; 2])
         *beside.at_mut(axis) += word / scale;
     }
     let beside = act.channel_mut().state.place.work_point_aside(&beside);
-    let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
+    let [from, beside] = [contour, beside].map(|of| plane_spot(act.channel(), &of, axes));
     Some((from, plus(beside, from, -1.0)))
 }
 

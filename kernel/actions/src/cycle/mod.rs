@@ -5,12 +5,10 @@
 //! until the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block.
 //! Decisions: docs/emulation.md, "Canned cycles".
 
-mod path;
+pub(crate) mod path;
 mod webs;
 mod words;
 
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use counterpoint_channel::cycle::CycleHole;
 use counterpoint_channel::modal::group;
 use counterpoint_event::event::Kind as EventKind;
@@ -19,10 +17,19 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
-use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_machine::model::{DistanceMode, MachineKind};
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::index::BySlot;
+use counterpoint_machine::model::DistanceMode;
+use counterpoint_machine::model::MachineKind;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::entry::CompensationEffect;
+use crate::entry::entry_of_kind;
+use crate::time::check_feed;
+use counterpoint_channel::path_lengths::polar_words_again;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -179,7 +186,7 @@ fn holes(act: &mut ActionContext<'_, '_>, kind: HoleCycle, words: &words::CycleT
         return Ok(());
     }
     let from = act.channel().state.place.programmed();
-    act.check_feed(act.channel().state.cycle.rates.feed.0)?;
+    check_feed(act, act.channel().state.cycle.rates.feed.0)?;
     let marked = kind.is_rigid() && act.channel().state.cycle.rigid == 2.0;
     if marked && act.channel().state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
         let text = format!("the speed of a rigid tap is zero or not programmed in '{}'", act.channel().block_text());
@@ -197,7 +204,7 @@ fn holes(act: &mut ActionContext<'_, '_>, kind: HoleCycle, words: &words::CycleT
                     *slot += target - from;
                 }
             }
-            act.polar_words_again(&mut hole.target);
+            polar_words_again(act.channel(), &mut hole.target);
         }
         act.cycle_event(&hole)?;
     }

@@ -4,11 +4,11 @@
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
 //! cycle. *Invariant:* a web has a start and a depth, or it is left out and reported.
 
-use crate::context::ActionContext;
 use counterpoint_channel::cycle::{Cycle, FURTHER_WEBS, Height};
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, data};
+
+use crate::context::ActionContext;
 
 /// Their data: start and depth.
 pub(crate) const DATA: [[DataId; 2]; FURTHER_WEBS] = [
@@ -34,18 +34,4 @@ pub(crate) fn of_hole(act: &mut ActionContext<'_, '_>, state: &Cycle, base: f64)
         };
     }
     webs
-}
-
-impl ActionContext<'_, '_> {
-    /// From the depth of the first web through the others.
-    pub(crate) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
-        let hole = drill.hole;
-        let scale = self.own_scale(hole.axis);
-        let up = (hole.clear - depth).signum() * drill.cycle.pecks.retract / scale;
-        for [start, depth] in hole.webs.into_iter().flatten() {
-            self.lift(drill, start + up)?;
-            self.plunge(drill, depth, 1.0)?;
-        }
-        Ok(())
-    }
 }

@@ -3,7 +3,6 @@
 //! *Invariant:* a kind takes only the words it uses; the rest stays in the block and is reported. Facts: reference
 //! control-emulator.md 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
-use crate::context::ActionContext;
 use counterpoint_channel::cycle::Height;
 use counterpoint_channel::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Position};
@@ -14,6 +13,10 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::DistanceMode;
 use counterpoint_program::block::RetrievedValue;
+
+use crate::context::ActionContext;
+use crate::dwell::take_seconds;
+use crate::motion::programmed_targets;
 
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
@@ -172,7 +175,7 @@ fn position(act: &mut ActionContext<'_, '_>) -> CycleTarget {
             relative |= 1 << index;
         }
     }
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     CycleTarget { target, coded, relative: relative & coded, times: 1 }
 }
 
@@ -193,7 +196,7 @@ fn amounts(act: &mut ActionContext<'_, '_>, kind: HoleCycle) -> HoleCycle {
         super::end_rigid(act);
     }
     if kind.dwells()
-        && let Some(dwell) = act.take_seconds(data::CYCLE_DWELL)
+        && let Some(dwell) = take_seconds(act, data::CYCLE_DWELL)
         && let [bottom, ..] = &mut act.channel_mut().state.cycle.rates.dwell
     {
         *bottom = dwell;

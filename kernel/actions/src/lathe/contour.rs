@@ -4,12 +4,6 @@
 //! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; their motion is recorded.
 //! *Invariant:* nothing moves, takes time or reaches another channel.
 
-use counterpoint_motion::arc as geometry;
-use counterpoint_motion::contour::element::{Element, NOISE, distance};
-
-use crate::context::{ActionContext, run_in_context};
-use crate::entry::{ActionEntry, CompensationEffect};
-use crate::{find, subprogram};
 use counterpoint_channel::modal::plane;
 use counterpoint_channel::turning::First;
 use counterpoint_emulator::channel::actions::Action;
@@ -20,7 +14,14 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::rows::CodeRow;
+use counterpoint_motion::arc as geometry;
+use counterpoint_motion::contour::element::{Element, NOISE, distance};
 use counterpoint_program::block::PendingCode;
+
+use crate::context::{ActionContext, run_in_context};
+use crate::entry::{ActionEntry, CompensationEffect};
+use crate::motion::programmed_targets;
+use crate::{find, subprogram};
 
 /// A move of the contour.
 #[derive(Debug)]
@@ -80,7 +81,7 @@ impl Shaping {
 
 /// Takes the first move, which gives the start of the contour and decides how the cycle works.
 fn first(act: &mut ActionContext<'_, '_>, id: CodeId) -> Acted {
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     if coded == 0 {
         return Ok(());
     }

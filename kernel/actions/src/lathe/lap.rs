@@ -3,16 +3,16 @@
 //! The pre-processor finds the contour before its block is split; the cycle takes it. Facts: reference okuma-osp.md 4.
 //! *Invariant:* a cycle that moves has a contour and depths above 0; amounts get their direction from the contour.
 
-use counterpoint_motion::turning::lap::{DepthChange, LapSettings};
-use counterpoint_motion::turning::rough;
-
-use crate::context::ActionContext;
 use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane};
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::turning::LapCycle;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_motion::turning::lap::{DepthChange, LapSettings};
+use counterpoint_motion::turning::rough;
+
+use crate::context::ActionContext;
 
 /// Places from which levels have other values: along X, along Z, depth, feed.
 const CHANGES: [[DataId; 4]; 2] = [

@@ -15,22 +15,36 @@ pub(crate) use contour::{reading, record};
 pub(crate) use moves::go_back;
 pub(crate) use strip::strip;
 
-use counterpoint_motion::arc::PlaneArc;
-use counterpoint_motion::contour::element::Element;
-use counterpoint_motion::contour::shifted::shifted;
-use counterpoint_motion::turning::{ContourError, ProgrammedContour, pattern, peck, rough};
-
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use counterpoint_channel::turning::{ContourBlocks, ContourCycle, ContourTask, LathePlane, RecordedContour};
+use counterpoint_channel::turning::ContourBlocks;
+use counterpoint_channel::turning::ContourCycle;
+use counterpoint_channel::turning::ContourTask;
+use counterpoint_channel::turning::LathePlane;
+use counterpoint_channel::turning::RecordedContour;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::turning::TurningCycle;
 use counterpoint_machine::index::BySlot;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::contour::shifted::shifted;
+use counterpoint_motion::turning::ContourError;
+use counterpoint_motion::turning::ProgrammedContour;
+use counterpoint_motion::turning::pattern;
+use counterpoint_motion::turning::peck;
+use counterpoint_motion::turning::rough;
 use counterpoint_program::block::PendingCode;
 use moves::Cutting;
+
+use crate::context::ActionContext;
+use crate::entry::ActionEntry;
+use crate::entry::CompensationEffect;
+use crate::entry::entry_of_kind;
+use crate::motion::programmed_targets;
+use crate::time::check_feed;
+use counterpoint_channel::tool_radius::cutter_radius;
+use counterpoint_channel::tool_radius::nose_tip;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -156,7 +170,7 @@ fn pecking(act: &mut ActionContext<'_, '_>, plane: &LathePlane, along_x: bool) -
     let words::PeckWords { steps, relief } = words::pecks(act);
     let (feed, unit) = act.feed();
     let from = act.channel().state.place.programmed();
-    let (_, target) = act.programmed_targets();
+    let (_, target) = programmed_targets(act);
     if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
         let text = format!("the peck or shift {step} is negative in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::PECK_STEP, text));
@@ -184,7 +198,7 @@ fn single(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool, impli
     let taper = words::taper(act, face);
     let (feed, unit) = act.feed();
     let from = act.channel().state.place.programmed();
-    let (coded, target) = act.programmed_targets();
+    let (coded, target) = programmed_targets(act);
     let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
     if coded & mine == 0 && taper.is_none() {
         return Ok(());
@@ -225,11 +239,11 @@ fn beside(
     (side, until): (f64, Option<usize>),
 ) -> Option<Vec<Element>> {
     let number = act.channel().diameter_number();
-    let radius = act.cutter_radius(number);
+    let radius = cutter_radius(act.channel(), number);
     if radius <= 0.0 {
         return Some(contour.to_vec());
     }
-    let tip = act.nose_tip(number, codes::PLANE_ZX).map(|part| part * radius);
+    let tip = nose_tip(act.channel(), number, codes::PLANE_ZX).map(|part| part * radius);
     let back = |[z, x]: [f64; 2]| [z - tip[0], x - tip[1]];
     let of_tip = |element: Element| {
         let arc = element.arc.map(|arc| PlaneArc { center: back(arc.center), ..arc });
@@ -285,7 +299,7 @@ pub(crate) fn cut(act: &mut ActionContext<'_, '_>, cycle: &ContourCycle, reading
             let pockets = pockets.unwrap_or(both && act.channel().env.machine.turning.pockets);
             match rough::RoughCycle::new(&shape, rough::RoughSettings { pockets, ..settings }) {
                 Ok(rough) => {
-                    act.check_feed(cycle.feed.0)?;
+                    check_feed(act, cycle.feed.0)?;
                     rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds, feeds))?;
                     None
                 }
@@ -293,7 +307,7 @@ pub(crate) fn cut(act: &mut ActionContext<'_, '_>, cycle: &ContourCycle, reading
             }
         }
         ContourTask::Pattern(settings) => {
-            act.check_feed(cycle.feed.0)?;
+            check_feed(act, cycle.feed.0)?;
             pattern::run(&shape, &settings, &mut Cutting::new(act, &plane, cycle.feed))?;
             None
         }

@@ -2,6 +2,8 @@
 //!
 //! *Invariant:* a move that changes no coordinate makes no motion.
 
+use counterpoint_channel::modal::plane;
+use counterpoint_channel::turning::LathePlane;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::codes;
@@ -10,9 +12,8 @@ use counterpoint_motion::turning::{CycleMove, MoveSink};
 
 use crate::circular_move::CircularMove;
 use crate::context::ActionContext;
+use crate::motion::{feed_to_point, rapid_to_point};
 use crate::{cutter, dwell, turned};
-use counterpoint_channel::modal::plane;
-use counterpoint_channel::turning::LathePlane;
 
 /// A cycle that is being cut.
 pub(crate) struct Cutting<'x, 'k, 'a> {
@@ -41,7 +42,7 @@ impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
         let (feed, unit) = self.feed;
         let [start, end] = [from, to].map(|position| self.plane.point(&position));
         let Ok(made) = geometry::by_center(start, end, center, clockwise) else {
-            return self.act.feed_to_point(coded, to, feed, unit);
+            return feed_to_point(self.act, coded, to, feed, unit);
         };
         let circle = CircularMove { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
         round(self.act, &circle)
@@ -93,8 +94,8 @@ impl MoveSink for Cutting<'_, '_, '_> {
         let (feed, unit) = self.feed;
         self.act.channel_mut().state.others.spindles.fixed_stops.in_turning_cycle = true;
         let done = match to {
-            CycleMove::Rapid(_) => self.act.rapid_to_point(coded, target),
-            CycleMove::Feed(_) => self.act.feed_to_point(coded, target, feed, unit),
+            CycleMove::Rapid(_) => rapid_to_point(self.act, coded, target),
+            CycleMove::Feed(_) => feed_to_point(self.act, coded, target, feed, unit),
             CycleMove::Arc { center, clockwise, .. } => self.arc([from, target], (center, clockwise), coded),
         };
         self.act.channel_mut().state.others.spindles.fixed_stops.in_turning_cycle = false;

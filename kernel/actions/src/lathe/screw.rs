@@ -4,6 +4,8 @@
 //! It cuts each piece at its lead, and returns across and along to its previous position. *Invariant:* all pieces are
 //! threads; a pass is the contour moved towards the side from which the tool came.
 
+use counterpoint_channel::thread::Screw;
+use counterpoint_channel::turning::LathePlane;
 use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -17,8 +19,7 @@ use super::moves::{Cutting, round};
 use crate::circular_move::CircularMove;
 use crate::context::ActionContext;
 use crate::cutter;
-use counterpoint_channel::thread::Screw;
-use counterpoint_channel::turning::LathePlane;
+use crate::thread::cut_to_point;
 
 /// One more pass.
 pub(crate) fn pass(act: &mut ActionContext<'_, '_>) {
@@ -73,7 +74,7 @@ fn piece(act: &mut ActionContext<'_, '_>, plane: &LathePlane, (element, to): (&E
     let from = act.channel().state.place.programmed();
     let target = plane.position(from, to);
     let coded = plane.moved(&from, &target);
-    let Some(arc) = element.arc else { return act.cut_to_point(coded, target, screw) };
+    let Some(arc) = element.arc else { return cut_to_point(act, coded, target, screw) };
     let start = plane.point(&from);
     let center = [0, 1].map(|at: usize| {
         let of = |spot: &Spot| spot.get(at).copied().unwrap_or(0.0);
@@ -85,6 +86,6 @@ fn piece(act: &mut ActionContext<'_, '_>, plane: &LathePlane, (element, to): (&E
             let screw = Some(*screw);
             round(act, &CircularMove { made, coded, from, to: target, axes: plane.axes, turns: 0, feed, unit, screw })
         }
-        Err(_) => act.cut_to_point(coded, target, screw),
+        Err(_) => cut_to_point(act, coded, target, screw),
     }
 }

@@ -3,13 +3,13 @@
 //! Facts: reference siemens-cycles.md 1.6 and 6; the moves are those of `counterpoint_motion::turning::strip`.
 //! *Invariant:* a contour that cannot be cut is an alarm of the control, and nothing has moved.
 
+use counterpoint_channel::turning::RecordedContour;
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
 use counterpoint_motion::turning::strip::{Removal, Strip, StripError};
 
 use super::moves::Cutting;
 use crate::context::ActionContext;
-use counterpoint_channel::turning::RecordedContour;
-use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
 
 /// Removes stock along the contour that was read last.
 pub(crate) fn strip(act: &mut ActionContext<'_, '_>, strip: &Strip) -> Acted {

@@ -3,17 +3,18 @@
 //! Facts: reference okuma-osp.md 2 (G112, G113, M26, M27). *Invariant:* the path is the circle itself, its time that of
 //! the lead. Decisions: docs/emulation.md, "Threads".
 
+use counterpoint_event::event::Position;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::thread::LeadChange;
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_motion::arc::PlaneArc;
 use counterpoint_program::block::PendingCode;
 
 use super::Screw;
 use crate::arc as circle;
 use crate::context::ActionContext;
-use counterpoint_event::event::Position;
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::index::AxisSlot;
+use crate::thread::lead_seconds;
 
 /// Cuts one pass along a circle.
 pub(crate) fn thread(act: &mut ActionContext<'_, '_>, clockwise: bool, code: &PendingCode) -> Acted {
@@ -46,6 +47,6 @@ impl ActionContext<'_, '_> {
     ) -> Result<f64, Halt> {
         let named = screw.along.and_then(|axis| axes.iter().position(|own| *own == axis));
         let way = named.map_or_else(|| made.travel(0).max(made.travel(1)), |coordinate| made.travel(coordinate));
-        self.lead_seconds(to, way, screw)
+        lead_seconds(self, to, way, screw)
     }
 }

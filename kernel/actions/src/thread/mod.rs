@@ -8,6 +8,11 @@
 mod arc;
 pub(crate) mod cycle;
 
+use counterpoint_channel::alarm_effect::NOT_DONE;
+use counterpoint_channel::channel_context::ChannelContext;
+use counterpoint_channel::path_lengths::tool_path;
+use counterpoint_channel::spindle::stopped;
+use counterpoint_channel::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -15,19 +20,15 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::LeadChange;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::law::SpindleRotation;
 use counterpoint_motion::thread::Lead;
 use counterpoint_program::block::PendingCode;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
-use crate::time::{TimedPath, note_turning};
-use counterpoint_channel::alarm_effect::NOT_DONE;
-use counterpoint_channel::spindle::stopped;
-use counterpoint_channel::thread::Screw;
-use counterpoint_motion::law::SpindleRotation;
-
-/// Rates with a smaller difference are equal: a rapid move has exactly the rate.
-pub(crate) const EVEN: f64 = 1.0 + 1e-6;
+use crate::motion::moved_axes;
+use crate::time::{note_turning, rapid_seconds};
+use crate::timed_path::{EVEN, TimedPath};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -59,13 +60,13 @@ pub(crate) fn thread(act: &mut ActionContext<'_, '_>, change: LeadChange, code: 
         return Ok(());
     }
     let (pitch, along) =
-        if sides == [None; 3] { (pitch, act.lead_axis(&target)) } else { by_axis(act, sides, &target) };
+        if sides == [None; 3] { (pitch, lead_axis(act.channel(), &target)) } else { by_axis(act, sides, &target) };
     if let Some(pitch) = pitch {
-        act.remember_lead(pitch);
+        remember_lead(act, pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
     act.channel_mut().state.threads.recorded = Some(screw);
-    act.cut(coded, target, &screw)?;
+    cut(act, coded, target, &screw)?;
     super::cutter::after_thread(act);
     Ok(())
 }
@@ -85,12 +86,12 @@ pub(crate) fn off(act: &mut ActionContext<'_, '_>) -> Acted {
 fn take_pitch(act: &mut ActionContext<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     let pitch = act.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
     if let Some(lead) = pitch {
-        act.remember_lead(lead);
+        remember_lead(act, lead);
         return (pitch, [None; 3]);
     }
     let sides = [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Y, data::INTERP_THREAD_PITCH_Z];
     let sides = sides.map(|id| act.take(id).map(|datum| datum.value));
-    (act.remembered_lead(), sides)
+    (remembered_lead(act), sides)
 }
 
 /// The pitch along X, Y or Z and its axis. Of several pitches, that of the longest travel counts, and the last one of
@@ -147,124 +148,125 @@ fn take_starts(act: &mut ActionContext<'_, '_>) -> f64 {
     starts
 }
 
-impl ActionContext<'_, '_> {
-    /// The axis that the program has set for leads, if it moves.
-    fn lead_axis(&self, target: &Position) -> Option<AxisSlot> {
-        let axis =
-            self.channel().state.place.layout.cartesian.get(self.channel().state.threads.along?).copied().flatten()?;
-        (self.channel().state.place.position.at(axis) != target.at(axis)).then_some(axis)
-    }
+/// The axis that the program has set for leads, if it moves.
+fn lead_axis(channel: &ChannelContext<'_>, target: &Position) -> Option<AxisSlot> {
+    let axis = channel.state.place.layout.cartesian.get(channel.state.threads.along?).copied().flatten()?;
+    (channel.state.place.position.at(axis) != target.at(axis)).then_some(axis)
+}
 
-    /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
-    pub(crate) fn check_lead(&mut self, screw: &Screw) -> Acted {
-        if screw.lead > 0.0 || !self.channel().env.machine.stops_at(&diag::NO_LEAD) {
-            return Ok(());
-        }
-        let text = format!("thread without a lead in '{}', {NOT_DONE}", self.channel().block_text());
-        self.diagnose(&diag::NO_LEAD, text);
-        self.channel().check_stop()
+/// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
+pub(crate) fn check_lead(act: &mut ActionContext<'_, '_>, screw: &Screw) -> Acted {
+    if screw.lead > 0.0 || !act.channel().env.machine.stops_at(&diag::NO_LEAD) {
+        return Ok(());
     }
+    let text = format!("thread without a lead in '{}', {NOT_DONE}", act.channel().block_text());
+    act.diagnose(&diag::NO_LEAD, text);
+    act.channel().check_stop()
+}
 
-    /// Remembers the lead as feed per revolution if both are words of one register, as the F of a control.
-    pub(crate) fn remember_lead(&mut self, pitch: f64) {
-        self.channel_mut().state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
-        if self.lead_is_feed() {
-            self.channel_mut().state.remembered.remember(data::FEED_UPR, pitch);
-        }
+/// Remembers the lead as feed per revolution if both are words of one register, as the F of a control.
+pub(crate) fn remember_lead(act: &mut ActionContext<'_, '_>, pitch: f64) {
+    act.channel_mut().state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
+    if act.lead_is_feed() {
+        act.channel_mut().state.remembered.remember(data::FEED_UPR, pitch);
     }
+}
 
-    /// The lead last programmed, or the feed per revolution where that is the same word.
-    pub(crate) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.lead_is_feed() { self.channel().state.remembered.value(data::FEED_UPR) } else { None };
-        feed.or_else(|| self.channel().state.remembered.value(data::INTERP_THREAD_PITCH))
+/// The lead last programmed, or the feed per revolution where that is the same word.
+pub(crate) fn remembered_lead(act: &ActionContext<'_, '_>) -> Option<f64> {
+    let feed = if act.lead_is_feed() { act.channel().state.remembered.value(data::FEED_UPR) } else { None };
+    feed.or_else(|| act.channel().state.remembered.value(data::INTERP_THREAD_PITCH))
+}
+
+/// One thread move to a programmed point.
+pub(crate) fn cut_to_point(act: &mut ActionContext<'_, '_>, coded: u8, target: Position, screw: &Screw) -> Acted {
+    let target = act.channel_mut().state.place.work_point(&target);
+    cut(act, coded, target, screw)
+}
+
+/// One thread move to a target in the work frame.
+pub(crate) fn cut(act: &mut ActionContext<'_, '_>, coded: u8, target: Position, screw: &Screw) -> Acted {
+    let from = act.channel().state.place.position;
+    if target == from {
+        return Ok(());
     }
+    let changes = act.channel().state.place.changes(&from, &target);
+    let seconds = thread_seconds(act, &target, &changes, screw)?;
+    let length = tool_path(act.channel(), &changes);
+    let feed = (screw.lead, FeedUnit::PerRevolution);
+    let moving = moved_axes(act.channel(), coded, &changes);
+    act.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))
+}
 
-    /// One thread move to a programmed point.
-    pub(crate) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let target = self.channel_mut().state.place.work_point(&target);
-        self.cut(coded, target, screw)
+/// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
+fn thread_seconds(
+    act: &mut ActionContext<'_, '_>,
+    target: &Position,
+    changes: &Position,
+    screw: &Screw,
+) -> Result<f64, Halt> {
+    let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
+    let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
+    let seconds = lead_seconds(act, target, way, screw)?;
+    check_rates(act, changes, seconds);
+    Ok(seconds)
+}
+
+/// The same for a path along the axis of the lead, geometry units.
+fn lead_seconds(act: &mut ActionContext<'_, '_>, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
+    let from = act.channel().state.place.position;
+    if screw.lead.is_nan() || screw.lead <= 0.0 {
+        let done = act.channel().becomes(&diag::NO_LEAD, "the move is timed as rapid");
+        let text = format!("thread without a lead in '{}', {done}", act.channel().block_text());
+        act.diagnose(&diag::NO_LEAD, text);
+        return Ok(rapid_seconds(act.channel(), &from, target));
     }
-
-    /// One thread move to a target in the work frame.
-    pub(crate) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let from = self.channel().state.place.position;
-        if target == from {
-            return Ok(());
-        }
-        let changes = self.channel().state.place.changes(&from, &target);
-        let seconds = self.thread_seconds(&target, &changes, screw)?;
-        let length = self.tool_path(&changes);
-        let feed = (screw.lead, FeedUnit::PerRevolution);
-        let moving = self.moving(coded, &changes);
-        self.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))
-    }
-
-    /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
-    fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
-        let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
-        let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
-        let seconds = self.lead_seconds(target, way, screw)?;
-        self.check_rates(changes, seconds);
-        Ok(seconds)
-    }
-
-    /// The same for a path along the axis of the lead, geometry units.
-    fn lead_seconds(&mut self, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
-        let from = self.channel().state.place.position;
-        if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let done = self.channel().becomes(&diag::NO_LEAD, "the move is timed as rapid");
-            let text = format!("thread without a lead in '{}', {done}", self.channel().block_text());
-            self.diagnose(&diag::NO_LEAD, text);
-            return Ok(self.rapid_seconds(&from, target));
-        }
-        let Some(turning) = self.speed_of_cut()? else {
-            let text = format!(
-                "{} in the thread '{}', the move is timed as rapid",
-                stopped(self.channel()),
-                self.channel().block_text()
-            );
-            self.diagnose(&diag::SPINDLE_STANDS, text);
-            return Ok(self.rapid_seconds(&from, target));
-        };
-        let minutes = |lead: Lead| match turning {
-            SpindleRotation::Fixed(rpm) => lead.minutes(way, rpm),
-            SpindleRotation::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
-            SpindleRotation::Surface(speed) => lead.surface_minutes(
-                way,
-                &speed,
-                self.channel().state.place.radius(&from),
-                self.channel().state.place.radius(target),
-            ),
-        };
-        let lead = Lead { start: screw.lead, change: screw.change };
-        let path = TimedPath { from: &from, to: target, length: way, arc: None };
-        if let Some(minutes) = minutes(lead) {
-            note_turning(self, &path, lead, turning);
-            self.assume_speed(minutes * 60.0);
-            return Ok(minutes * 60.0);
-        }
-        let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
-        note_turning(self, &path, Lead { change: 0.0, ..lead }, turning);
+    let Some(turning) = act.speed_of_cut()? else {
         let text = format!(
-            "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
-            self.channel().block_text()
+            "{} in the thread '{}', the move is timed as rapid",
+            stopped(act.channel()),
+            act.channel().block_text()
         );
-        self.diagnose(&diag::THREAD_LEAD, text);
-        Ok(steady)
+        act.diagnose(&diag::SPINDLE_STANDS, text);
+        return Ok(rapid_seconds(act.channel(), &from, target));
+    };
+    let minutes = |lead: Lead| match turning {
+        SpindleRotation::Fixed(rpm) => lead.minutes(way, rpm),
+        SpindleRotation::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
+        SpindleRotation::Surface(speed) => lead.surface_minutes(
+            way,
+            &speed,
+            act.channel().state.place.radius(&from),
+            act.channel().state.place.radius(target),
+        ),
+    };
+    let lead = Lead { start: screw.lead, change: screw.change };
+    let path = TimedPath { from: &from, to: target, length: way, arc: None };
+    if let Some(minutes) = minutes(lead) {
+        note_turning(act, &path, lead, turning);
+        act.assume_speed(minutes * 60.0);
+        return Ok(minutes * 60.0);
     }
+    let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
+    note_turning(act, &path, Lead { change: 0.0, ..lead }, turning);
+    let text = format!(
+        "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
+        act.channel().block_text()
+    );
+    act.diagnose(&diag::THREAD_LEAD, text);
+    Ok(steady)
+}
 
-    /// Reports a thread that needs a higher rate than an axis has.
-    fn check_rates(&mut self, changes: &Position, seconds: f64) {
-        let axes = self.channel().state.place.layout.axes.iter().zip(changes);
-        let over =
-            axes.map(|(axis, change)| (change.abs(), axis.rapid)).find(|(way, most)| *way > most * seconds * EVEN);
-        let Some((way, most)) = over.filter(|_| !self.channel().reports.plausible.thread) else { return };
-        self.channel_mut().reports.plausible.thread = true;
-        let [asked, most] = [way / seconds, most].map(|rate| format!("{:.0}", rate * 60.0));
-        let text = format!(
-            "the thread in '{}' needs a rate of {asked} where its axis reaches {most}: reduce the spindle speed",
-            self.channel().block_text()
-        );
-        self.diagnose(&diag::THREAD_RATE, text);
-    }
+/// Reports a thread that needs a higher rate than an axis has.
+fn check_rates(act: &mut ActionContext<'_, '_>, changes: &Position, seconds: f64) {
+    let axes = act.channel().state.place.layout.axes.iter().zip(changes);
+    let over = axes.map(|(axis, change)| (change.abs(), axis.rapid)).find(|(way, most)| *way > most * seconds * EVEN);
+    let Some((way, most)) = over.filter(|_| !act.channel().reports.plausible.thread) else { return };
+    act.channel_mut().reports.plausible.thread = true;
+    let [asked, most] = [way / seconds, most].map(|rate| format!("{:.0}", rate * 60.0));
+    let text = format!(
+        "the thread in '{}' needs a rate of {asked} where its axis reaches {most}: reduce the spindle speed",
+        act.channel().block_text()
+    );
+    act.diagnose(&diag::THREAD_RATE, text);
 }

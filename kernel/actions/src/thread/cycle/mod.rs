@@ -7,9 +7,6 @@
 mod path;
 mod words;
 
-use super::Screw;
-use crate::context::ActionContext;
-use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use counterpoint_channel::thread_passes::{MOST_PASSES, ThreadPassPlan};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -17,6 +14,12 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::{ThreadCycle, ThreadCycleSetting};
 use counterpoint_machine::index::AxisSlot;
+
+use super::Screw;
+use crate::context::ActionContext;
+use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
+use crate::thread::check_lead;
+use crate::thread::cycle::path::{all_passes, cut_pass};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -113,8 +116,8 @@ fn single(act: &mut ActionContext<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2
     let (end, taper) = (cycle.end, cycle.taper);
     match words::thread(act, kind, axes, (start, end, offset, taper), screw) {
         Some(thread) => {
-            act.check_lead(&thread.screw)?;
-            act.pass(&thread, thread.root, 0.0)
+            check_lead(act, &thread.screw)?;
+            cut_pass(act, &thread, thread.root, 0.0)
         }
         None => Ok(()),
     }
@@ -142,8 +145,8 @@ fn multi(act: &mut ActionContext<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]
         return Ok(());
     }
     let Some(thread) = words::thread(act, kind, axes, (start, end, offset, taper), screw) else { return Ok(()) };
-    act.check_lead(&thread.screw)?;
-    act.all_passes(&thread)
+    check_lead(act, &thread.screw)?;
+    all_passes(act, &thread)
 }
 
 /// The passes that the settings make of a depth.

@@ -4,15 +4,16 @@
 //! the block and is reported. A value that makes no sense is diagnosed and ignored. Facts: reference
 //! control-emulator.md 6.5.
 
-use super::{Thread, ThreadCycle};
-use crate::context::ActionContext;
-use crate::thread::Screw;
 use counterpoint_channel::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+
+use super::{Thread, ThreadCycle};
+use crate::context::ActionContext;
+use crate::thread::{Screw, remember_lead, remembered_lead};
 
 /// Starts of a thread at most.
 const MOST_STARTS: f64 = 99.0;
@@ -179,9 +180,9 @@ pub(crate) fn screw(
 ) -> Screw {
     let own = act.take(pitch).or_else(|| act.take(data::INTERP_THREAD_PITCH)).map(|datum| datum.value);
     if let Some(pitch) = own {
-        act.remember_lead(pitch);
+        remember_lead(act, pitch);
     }
-    let pitch = act.remembered_lead().unwrap_or(0.0);
+    let pitch = remembered_lead(act).unwrap_or(0.0);
     let change = act.take(change).map_or(0.0, |datum| datum.value);
     act.channel_mut().state.remembered.remember(data::INTERP_THREAD_PITCH_VAR, change);
     act.take(data::INTERP_THREAD_ANGLE);

@@ -7,14 +7,19 @@
 //! rate where the feed would ask for more. The rate at which linear axes follow rotary ones is that of the fastest of
 //! some places of the move.
 
-use counterpoint_machine::index::BySlot;
 use std::f64::consts::TAU;
 
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc::PlaneArc;
 
-use crate::context::ActionContext;
-use counterpoint_channel::frames::polar::between;
-use counterpoint_event::event::Position;
+use crate::channel_context::ChannelContext;
+use crate::frames::polar::between;
+use crate::modal::group;
+
+/// Modal group of the edge.
+const EDGE: u16 = 149;
 
 /// Paths below this are none.
 const NONE: f64 = 1e-9;
@@ -71,7 +76,7 @@ fn of_circle(made: &PlaneArc, tight: f64) -> Vec<Piece> {
         let piece = |ends: &[f64]| match ends {
             [from, to] if to > from => {
                 let arc = PlaneArc { start_angle: start_angle + from * sweep.signum(), ..*made };
-                let round = counterpoint_channel::round_centre::part_round(&arc, (to - from) * sweep.signum());
+                let round = crate::round_centre::part_round(&arc, (to - from) * sweep.signum());
                 (radius * (to - from), round.abs())
             }
             _ => (0.0, 0.0),
@@ -115,58 +120,98 @@ fn on_cylinder(made: &PlaneArc, round: usize, share: f64) -> Vec<Piece> {
     pieces.collect()
 }
 
-impl ActionContext<'_, '_> {
-    /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
-    #[cold]
-    pub(crate) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&PlaneArc>) -> f64 {
-        if let Some(tip) = self.channel().state.place.tip() {
-            let seconds = match self.channel().state.others.tip.follow {
-                Some(limit) => {
-                    let place = &self.channel().state.place;
-                    let ways =
-                        (0..=PLACES).map(|at| tip.following(place, [from, to], f64::from(at) / f64::from(PLACES)));
-                    seconds.max(ways.fold(0.0, f64::max) / limit * 60.0)
-                }
-                None => seconds,
-            };
-            let turns =
-                self.channel().state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
-            return turns
-                .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
-                .filter(|t| t.is_finite())
-                .fold(seconds, f64::max);
-        }
-        let Some(polar) = self.channel().state.place.polar() else { return seconds };
-        let rate = self.channel().state.place.layout.axes[polar.rotary].rapid;
-        let [start, end] = [from, to].map(|point| polar.part(&self.channel().state.place, point));
-        let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), PlaneArc::length);
-        let turned = (to.at(polar.rotary) - from.at(polar.rotary)).abs();
-        if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {
-            return seconds;
-        }
-        let slowest = turned / rate;
-        if length < NONE || !length.is_finite() {
-            return seconds.max(slowest);
-        }
-        let speed = length / seconds;
-        if let Some(per_degree) = polar.per_degree() {
-            let Some(made) = made else { return seconds.max(slowest) };
-            // The first coordinate is the path along the cylinder, or the way round.
-            let round = usize::from(polar.axes()[1] == polar.rotary);
-            let pieces = on_cylinder(made, round, rate * per_degree / speed);
-            let slowed = pieces.iter().map(|(way, turned)| (way / speed).max(turned / per_degree / rate)).sum::<f64>();
-            return if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds };
-        }
-        let tight = speed / rate.to_radians();
-        let pieces = made.map_or_else(|| of_line(start, end, tight), |made| of_circle(made, tight));
-        let time = pieces.iter().map(|(way, round)| (way / speed).max(round / rate)).sum::<f64>();
-        // In the centre the axis turns while the tool stands.
-        let round = pieces.iter().map(|(_, round)| round).sum::<f64>();
-        let still = (turned - round).max(0.0) / rate;
-        let still = if still * rate < 1e-6 { 0.0 } else { still };
-        let slowed = time + still;
-        if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds }
+/// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
+#[cold]
+pub fn at_rates(
+    channel: &ChannelContext<'_>,
+    seconds: f64,
+    from: &Position,
+    to: &Position,
+    made: Option<&PlaneArc>,
+) -> f64 {
+    if let Some(tip) = channel.state.place.tip() {
+        let seconds = match channel.state.others.tip.follow {
+            Some(limit) => {
+                let place = &channel.state.place;
+                let ways = (0..=PLACES).map(|at| tip.following(place, [from, to], f64::from(at) / f64::from(PLACES)));
+                seconds.max(ways.fold(0.0, f64::max) / limit * 60.0)
+            }
+            None => seconds,
+        };
+        let turns = channel.state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+        return turns
+            .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
+            .filter(|t| t.is_finite())
+            .fold(seconds, f64::max);
     }
+    let Some(polar) = channel.state.place.polar() else { return seconds };
+    let rate = channel.state.place.layout.axes[polar.rotary].rapid;
+    let [start, end] = [from, to].map(|point| polar.part(&channel.state.place, point));
+    let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), PlaneArc::length);
+    let turned = (to.at(polar.rotary) - from.at(polar.rotary)).abs();
+    if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {
+        return seconds;
+    }
+    let slowest = turned / rate;
+    if length < NONE || !length.is_finite() {
+        return seconds.max(slowest);
+    }
+    let speed = length / seconds;
+    if let Some(per_degree) = polar.per_degree() {
+        let Some(made) = made else { return seconds.max(slowest) };
+        // The first coordinate is the path along the cylinder, or the way round.
+        let round = usize::from(polar.axes()[1] == polar.rotary);
+        let pieces = on_cylinder(made, round, rate * per_degree / speed);
+        let slowed = pieces.iter().map(|(way, turned)| (way / speed).max(turned / per_degree / rate)).sum::<f64>();
+        return if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds };
+    }
+    let tight = speed / rate.to_radians();
+    let pieces = made.map_or_else(|| of_line(start, end, tight), |made| of_circle(made, tight));
+    let time = pieces.iter().map(|(way, round)| (way / speed).max(round / rate)).sum::<f64>();
+    // In the centre the axis turns while the tool stands.
+    let round = pieces.iter().map(|(_, round)| round).sum::<f64>();
+    let still = (turned - round).max(0.0) / rate;
+    let still = if still * rate < 1e-6 { 0.0 } else { still };
+    let slowed = time + still;
+    if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds }
+}
+
+/// Feed of a move in the work frame, along which the feed counts a length: one that goes down keeps to its share.
+#[cold]
+pub fn feed_down(
+    channel: &ChannelContext<'_>,
+    feed: Option<f64>,
+    unit: FeedUnit,
+    changes: &Position,
+    length: f64,
+) -> Option<f64> {
+    let share = channel.state.place.frames.as_deref().and_then(|frames| frames.feeds.down);
+    let (Some(share), Some(full)) = (share, feed) else { return feed };
+    let role = match channel.state.modal.code(group::PLANE) {
+        Some(codes::PLANE_ZX) => 1,
+        Some(codes::PLANE_YZ) => 0,
+        _ => 2,
+    };
+    let tool = channel.state.place.layout.cartesian.get(role).copied().flatten();
+    let way = tool.map_or(0.0, |axis| -changes.at(axis));
+    if !matches!(unit, FeedUnit::PerMinute | FeedUnit::PerRevolution) || way <= 0.0 {
+        return feed;
+    }
+    // Straight down the path is the length, except for rounding.
+    let times = if length - way < way * 1e-12 { 1.0 } else { length / way };
+    Some(full.min(full * share * times))
+}
+
+/// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius
+/// is.
+pub fn edge_feed(channel: &ChannelContext<'_>, feed: Option<f64>, unit: FeedUnit, times: f64) -> Option<f64> {
+    let counts = match channel.state.modal.code(EDGE) {
+        Some(codes::FEED_AT_EDGE) => true,
+        Some(codes::FEED_AT_EDGE_INSIDE) => times < 1.0,
+        _ => false,
+    };
+    let counts = counts && matches!(unit, FeedUnit::PerMinute | FeedUnit::PerRevolution);
+    feed.map(|feed| if counts { feed * times } else { feed })
 }
 
 #[cfg(test)]
