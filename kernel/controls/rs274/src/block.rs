@@ -244,7 +244,7 @@ impl BlockWords {
             let own = planes.iter().find(|(code, _)| self.has_g(*code)).map_or(modes.off_plane, |(_, letter)| *letter);
             if !firmware && self.has(own) {
                 let letter = char::from(own.to_ascii_uppercase());
-                return Err(refused(20, format!("{letter} is not in the plane of {name}: remove {letter}, even {letter}0")));
+                return Err(refused(20, format!("{letter} is not in the plane of {name}: remove it, even {letter}0")));
             }
         }
         let cuts = matches!(motion, 10 | 20 | 30) && (self.has_axes() || self.has_offsets() || explicit);
