@@ -38,7 +38,7 @@ pub(crate) fn look_at_feed(act: &mut ActionContext<'_, '_>, feed: f64, path: &Ti
     Ok(())
 }
 
-/// Looks at the rate of a feed per revolution, units per minute.
+/// Checks the rate of a feed per revolution, units per minute.
 #[cold]
 pub(crate) fn look_at_revolutions(act: &mut ActionContext<'_, '_>, rate: f64) -> Acted {
     let fastest = fastest_rate(act.channel());

@@ -114,7 +114,7 @@ impl ActionContext<'_, '_> {
         plain_feed(self, coded, &target, feed, unit)
     }
 
-    /// The same, along its path not faster than a feed per minute.
+    /// A rapid move to a target in the work frame, at most at a feed per minute along the path.
     pub(crate) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
         if self.channel().state.place.is_compensated() {
             let step = ProgrammedMove { shape: MoveShape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
@@ -151,7 +151,7 @@ impl ActionContext<'_, '_> {
     }
 }
 
-/// Feed that a rapid move must not pass: that of the block, otherwise the remembered one where the row is modal.
+/// Upper feed limit for rapid moves: the limit of the block, otherwise the remembered limit if the row is modal.
 fn rapid_feed(act: &mut ActionContext<'_, '_>) -> Option<f64> {
     let Some(datum) = act.take(data::RAPID_FEED) else {
         return act.channel().state.remembered.value(data::RAPID_FEED);
@@ -170,7 +170,7 @@ fn rapid_feed(act: &mut ActionContext<'_, '_>) -> Option<f64> {
     Some(datum.value)
 }
 
-/// The same, with the words that orient the tool.
+/// Takes the axis words and the words that orient the tool: bits of coded axes, and the target in the work frame.
 #[inline(always)]
 pub(crate) fn straight_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     if act.channel().state.place.frames.is_some() { oriented_targets(act) } else { plain_targets(act) }
@@ -182,7 +182,7 @@ pub(crate) fn programmed_targets(act: &mut ActionContext<'_, '_>) -> (u8, Positi
     if act.channel().state.place.frames.is_some() { framed_targets(act) } else { plain_targets(act) }
 }
 
-/// Where programmed points are points of the work frame.
+/// Takes the axis words, if programmed points are points of the work frame.
 #[inline(never)]
 fn plain_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     axis_words(
@@ -248,7 +248,7 @@ fn framed_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     (coded, target)
 }
 
-/// Where a move to positions of the machine frame starts: on the contour, unless it goes without compensation.
+/// Start of a move to positions of the machine frame: on the contour, unless the move has no compensation.
 fn start_in_machine_frame(channel: &mut ChannelContext<'_>) -> Position {
     if channel.state.place.cutter().is_some_and(|cutter| !cutter.suspended) {
         channel.state.place.contour()
@@ -323,7 +323,7 @@ pub(crate) fn feed_to_point(
     act.feed_to(coded, target, feed, unit)
 }
 
-/// Axes that a move concerns: a turned frame moves others than the coded ones.
+/// Axes that a move concerns: a rotated frame moves axes other than the coded axes.
 #[inline(always)]
 pub(crate) fn moved_axes(channel: &ChannelContext<'_>, coded: u8, changes: &Position) -> u8 {
     if channel.state.place.frames.is_none() {
@@ -337,7 +337,7 @@ pub(crate) fn rapid_to(act: &mut ActionContext<'_, '_>, coded: u8, target: Posit
     act.rapid_within(coded, target, None)
 }
 
-/// Where programmed points are points of the work frame.
+/// Makes a feed move, if programmed points are points of the work frame.
 fn plain_feed(
     act: &mut ActionContext<'_, '_>,
     coded: u8,
@@ -393,7 +393,7 @@ fn feed_in_frames(
     act.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
 }
 
-/// A straight move that a macro has changed: made again from its start.
+/// Makes a straight move that a macro has changed, again from its start.
 pub(crate) fn straight_again(act: &mut ActionContext<'_, '_>, motion: &Motion, rapid: bool, to: Position) -> Acted {
     let (seconds, motion) = straight_to(act, motion, rapid, to)?;
     act.move_to(seconds, &motion)

@@ -1,4 +1,4 @@
-//! A path of which a time is asked, and the share by which a rate may pass its limit.
+//! A path whose time is requested, and the factor by which a rate may exceed its limit.
 //!
 //! *Invariant:* plain data.
 

@@ -202,8 +202,8 @@ pub fn feed_down(
     Some(full.min(full * share * times))
 }
 
-/// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius
-/// is.
+/// Feed of the tool's centre beside an arc; `times`: the ratio of the radius of the centre's path to the radius of the
+/// contour.
 pub fn edge_feed(channel: &ChannelContext<'_>, feed: Option<f64>, unit: FeedUnit, times: f64) -> Option<f64> {
     let counts = match channel.state.modal.code(EDGE) {
         Some(codes::FEED_AT_EDGE) => true,

@@ -1,4 +1,4 @@
-//! Axes of polar words, and lengths of paths as feeds count them.
+//! Axes of polar words, and path lengths that feeds apply to.
 //!
 //! *Invariant:* nothing here moves.
 
@@ -17,7 +17,7 @@ pub fn polar_axes(channel: &ChannelContext<'_>) -> Option<[AxisSlot; 2]> {
     Some([axis(plane.first)?, axis(plane.second)?])
 }
 
-/// Goes on by the words of the block once more, from where the tool is.
+/// Applies the polar words of the block once more, from the current position of the tool.
 pub fn polar_words_again(channel: &ChannelContext<'_>, target: &mut Position) {
     let words = channel.state.place.frames.as_deref().and_then(|frames| frames.words);
     let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());

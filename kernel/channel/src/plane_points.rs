@@ -1,4 +1,4 @@
-//! Points of a path in its plane, in radius values, and the positions of axes that they stand for.
+//! Points of a path in its plane, in radius values, and the corresponding positions of axes.
 //!
 //! *Invariant:* nothing here moves.
 
@@ -30,13 +30,13 @@ pub fn plane_spot(channel: &ChannelContext<'_>, of: &Position, axes: [AxisSlot; 
     }
 }
 
-/// Where the tool's centre is in the plane.
+/// Position of the tool's centre in the plane.
 pub fn spot_of(channel: &ChannelContext<'_>, cutter: &CutterCompensation) -> Spot {
     plus(plane_spot(channel, &channel.state.place.position, cutter.axes), cutter.tip, 1.0)
 }
 
-/// The position that puts the tool's centre on a point straight from where it is, the other axes where `to` has
-/// them.
+/// The position at which the tool's centre is on a point that it reaches in a straight line; the other axes are at
+/// their positions in `to`.
 pub fn position_at(channel: &ChannelContext<'_>, cutter: &CutterCompensation, to: &Position, spot: Spot) -> Position {
     let mut position = *to;
     if let Some(polar) = channel.state.place.polar() {
@@ -50,7 +50,7 @@ pub fn position_at(channel: &ChannelContext<'_>, cutter: &CutterCompensation, to
     position
 }
 
-/// The same along an arc of the tool's centre.
+/// The position at which the tool's centre is on a point that it reaches along an arc.
 pub fn position_round(
     channel: &ChannelContext<'_>,
     cutter: &CutterCompensation,

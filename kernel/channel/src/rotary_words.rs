@@ -1,4 +1,4 @@
-//! Where rotary axes turn for their words.
+//! Positions to which rotary axes turn for their words.
 //!
 //! *Invariant:* nothing here moves.
 

@@ -63,7 +63,7 @@ fn corner_thresholds(channel: &ChannelContext<'_>, limits: CornerShape) -> corne
     corner::CornerThresholds { sharp, flat, distortion: asked.clamp(0.0, limits.distortion) / 100.0 }
 }
 
-/// A move that goes where it says, without compensation.
+/// A move to its programmed point, without compensation.
 pub(crate) fn on_contour(act: &mut ActionContext<'_, '_>, step: &ProgrammedMove) -> Acted {
     straight(act, step, step.to)
 }

@@ -202,14 +202,14 @@ impl ActionContext<'_, '_> {
     }
 }
 
-/// Says why a path is not possible.
+/// Reports why a path is not possible.
 pub(crate) fn refuse_way(act: &mut ActionContext<'_, '_>, why: &str, alarm: u32) -> Acted {
     let text = format!("'{}': {why} (alarm {alarm})", act.channel().block_text());
     act.diagnose(&diag::CONTOUR_APPROACH, text);
     act.channel().check_stop()
 }
 
-/// Direction of the contour where it ends.
+/// Direction of the contour at its end.
 fn heading(channel: &mut ChannelContext<'_>) -> Option<Spot> {
     let here = channel.state.place.contour();
     let last = channel.state.arcs.last;
@@ -387,7 +387,7 @@ fn curve(
     go_round(act, &CircularMove { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
 }
 
-/// Makes the path from a contour; a step says where it ends.
+/// Makes the path from a contour; the step, if there is one, gives its end.
 fn smooth_retract(act: &mut ActionContext<'_, '_>, step: Option<&ProgrammedMove>, smooth: &Smooth) -> Acted {
     let Some(cutter) = act.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
     let Some(heading) = smooth.heading else {

@@ -212,7 +212,7 @@ fn thread_seconds(
     Ok(seconds)
 }
 
-/// The same for a path along the axis of the lead, geometry units.
+/// Seconds of a thread move for a path along the axis of the lead, geometry units.
 fn lead_seconds(act: &mut ActionContext<'_, '_>, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
     let from = act.channel().state.place.position;
     if screw.lead.is_nan() || screw.lead <= 0.0 {
