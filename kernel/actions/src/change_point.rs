@@ -8,7 +8,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::ActionEntry;
 use crate::motion::rapid_to;
 

@@ -1,37 +1,59 @@
-//! Everything that an action may access: the channel, and a few services of the kernel that it belongs to.
+//! The context of an action, and the steps that motions, circles, threads and compensation ask of one another.
 //!
-//! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator. The
-//! kernel executes its requests to them, calls and ends at the end of the block.
+//! *Invariant:* a step is made where its idea is; the others know only its name.
 
-use std::sync::Arc;
-
-use counterpoint_channel::callee::{Callee, Pending};
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::coupled_axes::couples_alone;
-use counterpoint_channel::coupling::Parking;
-use counterpoint_channel::cycle::CycleHole;
-use counterpoint_channel::figure::CopiedFigure;
-use counterpoint_channel::offset_tables::OffsetTable;
-use counterpoint_channel::tool_data::report_tool;
-use counterpoint_channel::trace::{trace_instead, trace_line};
-use counterpoint_channel::turning::ContourCycle;
-use counterpoint_channel::word_values::{axis_diameter_factor, block_has, read_words_again};
-use counterpoint_control_api::{NotThere, is_vacant};
-use counterpoint_emulator::channel::Kernel;
-use counterpoint_emulator::channel::custom_macro::code_calls::take_name;
-use counterpoint_emulator::pipeline::codes::without_action;
-use counterpoint_event::event::{Motion, Position, ToolAction};
-use counterpoint_fault::{Acted, DiagnosticFacts, Halt, StopCode};
-use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_channel::circular_move::CircularMove;
+use counterpoint_channel::cutter::WaitingMove;
+use counterpoint_channel::smooth::Smooth;
+use counterpoint_channel::thread::Screw;
+pub(crate) use counterpoint_emulator::action_context::ActionContext;
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::AxisSlot;
-use counterpoint_machine::macros::model::Hook;
-use counterpoint_motion::law::SpindleRotation;
-use counterpoint_program::block::RetrievedValue;
-use counterpoint_program::data_plan::DataSource;
-use counterpoint_sync::shared::SpindleCommand;
-use counterpoint_sync::wait;
-use counterpoint_sync::wait::Wait;
-use counterpoint_waits::coupling::CoupledPair;
+use counterpoint_motion::arc::PlaneArc;
+use counterpoint_motion::contour::corner::CornerPath;
+use counterpoint_motion::contour::element::Element;
+
+/// Straight moves.
+pub(crate) trait StraightSteps {
+    /// Takes the axis words: bits of coded axes, and the target in the work frame.
+    fn targets(&mut self) -> (u8, Position);
+
+    /// A straight feed move to a target in the work frame.
+    fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted;
+
+    /// A rapid move to a target in the work frame, at most at a feed per minute along the path.
+    fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted;
+}
+
+/// Circles.
+pub(crate) trait CircleSteps {
+    /// A circle in the work frame.
+    fn circle_to(&mut self, circle: &CircularMove) -> Acted;
+}
+
+/// Threads along circles.
+pub(crate) trait ThreadSteps {
+    /// Seconds of a thread along a circle between two axes of its plane.
+    fn arc_thread_seconds(
+        &mut self,
+        to: &Position,
+        arc: (&PlaneArc, [AxisSlot; 2]),
+        screw: &Screw,
+    ) -> Result<f64, Halt>;
+}
+
+/// Ways to a contour.
+pub(crate) trait ApproachSteps {
+    /// Makes the path to a contour whose first piece is known now.
+    fn smooth_approach(&mut self, waits: &WaitingMove, smooth: &Smooth, next: Option<&Element>) -> Acted;
+}
+
+/// Ways around the ends of a contour.
+pub(crate) trait AroundSteps {
+    /// The way around the beginning of a contour from a point behind it (KONT).
+    fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<CornerPath>, Halt>;
+}
 
 /// Lets the kernel run an action that has `execute`.
 macro_rules! run_in_context {
@@ -50,378 +72,3 @@ macro_rules! run_in_context {
     };
 }
 pub(crate) use run_in_context;
-
-/// The context of an action.
-pub(crate) struct ActionContext<'k, 'a> {
-    kernel: &'k mut Kernel<'a>,
-}
-
-impl<'k, 'a> ActionContext<'k, 'a> {
-    /// Reads the numbers of the block again, in the unit that the block has selected. Reports values of the part that
-    /// may be in the other unit.
-    pub(crate) fn unit_selected(&mut self, inch: bool) -> Acted {
-        read_words_again(&mut self.kernel.channel);
-        counterpoint_emulator::channel::part_data::check(self.kernel, inch)
-    }
-
-    /// The context of an action of this kernel.
-    #[inline(always)]
-    pub(crate) fn new(kernel: &'k mut Kernel<'a>) -> Self {
-        Self { kernel }
-    }
-
-    /// The data of the channel.
-    #[inline(always)]
-    pub(crate) fn channel(&self) -> &ChannelContext<'a> {
-        &self.kernel.channel
-    }
-
-    /// The data of the channel, mutable.
-    #[inline(always)]
-    pub(crate) fn channel_mut(&mut self) -> &mut ChannelContext<'a> {
-        &mut self.kernel.channel
-    }
-}
-
-/// Data of the block.
-impl ActionContext<'_, '_> {
-    /// Takes the value of `id` off the block, if it is there.
-    #[inline(always)]
-    pub(crate) fn take(&mut self, id: DataId) -> Option<RetrievedValue> {
-        self.kernel.take(id)
-    }
-
-    /// Takes the program name off the block.
-    pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
-        take_name(&mut self.kernel.channel)
-    }
-
-    /// Value of a common variable, 0 without one.
-    pub(crate) fn common(&mut self, number: u32) -> Result<f64, Halt> {
-        match self.kernel.numbered(number) {
-            Err(NotThere::Halt(halt)) => Err(halt),
-            value => Ok(value.ok().filter(|value| !is_vacant(*value)).unwrap_or(0.0)),
-        }
-    }
-
-    /// Writes a common variable; nothing on a machine without it.
-    pub(crate) fn set_common(&mut self, number: u32, value: f64) -> Acted {
-        match self.kernel.set_numbered(number, value) {
-            Err(NotThere::Halt(halt)) => Err(halt),
-            _ => Ok(()),
-        }
-    }
-
-    /// Whether a value of `id` is in the block.
-    pub(crate) fn block_has(&self, id: DataId) -> bool {
-        block_has(&self.kernel.channel, id)
-    }
-
-    /// Whether a free word that can move an axis or shape an arc is in the block.
-    pub(crate) fn has_motion_word(&self) -> bool {
-        self.channel().block.has_any(self.kernel.channel.tables.registers.motion)
-    }
-
-    /// Whether a free word of an axis is in the block.
-    pub(crate) fn has_axis_word(&self) -> bool {
-        let axes =
-            self.channel().state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
-        self.channel().block.has_any(axes)
-    }
-
-    /// Registers of corners and of directions of lines.
-    pub(crate) fn contour_registers(&self) -> counterpoint_program::registers::ContourRegisters {
-        self.kernel.channel.tables.registers.contour
-    }
-
-    /// Where the values of an identifier come from.
-    pub(crate) fn sources(&self, id: DataId) -> &[DataSource] {
-        self.kernel.channel.tables.sources_of(id)
-    }
-
-    /// Registers that can supply an identifier, bit by register.
-    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
-        self.kernel.channel.tables.registers_of(id)
-    }
-
-    /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
-    pub(crate) fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
-        axis_diameter_factor(&self.kernel.channel, axis)
-    }
-
-    /// Whether the lead of a thread and the feed per revolution are one word that stays active.
-    pub(crate) fn lead_is_feed(&self) -> bool {
-        self.kernel.channel.tables.rules.lead_is_feed
-    }
-
-    /// Reports which of the data that an action could have used have rows that are all switched off.
-    pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
-        self.kernel.report_switched_off(ids);
-    }
-}
-
-/// Events and diagnostics.
-impl ActionContext<'_, '_> {
-    /// Logs a diagnostic at the current block.
-    pub(crate) fn diagnose(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) {
-        self.kernel.diagnose(facts, text);
-    }
-
-    /// Logs an alarm of the control and returns its effect.
-    pub(crate) fn alarm(&mut self, facts: &DiagnosticFacts, text: impl Into<String>) -> Halt {
-        self.kernel.alarm(facts, text)
-    }
-
-    /// A code that nothing handles.
-    pub(crate) fn without_action(&mut self, id: CodeId) {
-        without_action(self.kernel, id);
-    }
-
-    /// Adds a line to the trace if it shows this letter.
-    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&ChannelContext<'_>) -> String) {
-        trace_line(&mut self.kernel.channel, letter, line);
-    }
-
-    /// Adds an action to the trace that takes the place of that of the next event.
-    pub(crate) fn trace_instead(&mut self, text: &str) {
-        trace_instead(&mut self.kernel.channel, text);
-    }
-
-    /// Records that the block has an effect that an endless loop could not hide.
-    pub(crate) fn note_effect(&mut self) {
-        self.kernel.flow.pass.effects = true;
-    }
-
-    /// The block has let time pass, and nothing else, ns.
-    pub(crate) fn note_dwell(&mut self, ns: i64) {
-        self.kernel.flow.pass.dwell(ns);
-    }
-
-    /// Counts as much work as a block within this one.
-    ///
-    /// # Errors
-    /// The job is to end.
-    pub(crate) fn count_as_block(&mut self) -> Acted {
-        self.kernel.count_as_block()
-    }
-}
-
-/// The machine: motions, spindle, tools, heads, cycles. Its macros see them.
-impl ActionContext<'_, '_> {
-    /// Executes a motion.
-    #[inline(always)]
-    pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        self.kernel.travel(seconds, motion)
-    }
-
-    /// Reports a circle that turns an axis back beyond its limits, at `values` in radius.
-    pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
-        self.kernel.check_swing(to, axis, values)
-    }
-
-    /// Executes a motion that its macro has seen.
-    pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        self.kernel.move_to(seconds, motion)
-    }
-
-    /// Commanded state of the channel's spindle as of now.
-    pub(crate) fn spindle_command(&mut self) -> Result<SpindleCommand, Halt> {
-        self.kernel.current()
-    }
-
-    /// How the spindle turns now, `None` while it does not.
-    pub(crate) fn spindle_speed(&mut self) -> Result<Option<SpindleRotation>, Halt> {
-        self.kernel.spindle_speed()
-    }
-
-    /// How the spindle turns during a time by its revolutions that begins now, `None` while it does not turn.
-    pub(crate) fn speed_from_now(&mut self) -> Result<Option<SpindleRotation>, Halt> {
-        self.kernel.speed_from_now()
-    }
-
-    /// The same for a cut, which begins together with that of the other channel in balance cutting.
-    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<SpindleRotation>, Halt> {
-        self.kernel.speed_of_cut()
-    }
-
-    /// Records that the time of a block of this many seconds, which begins now, uses the spindle speed known now.
-    pub(crate) fn assume_speed(&mut self, seconds: f64) {
-        if self.channel().state.spindle.shared && !self.channel().reports.plausible.changed_speed {
-            let (line, begin) = (self.channel().at.line, self.channel().now());
-            self.channel_mut().state.spindle.assume(line, begin, seconds);
-        }
-    }
-
-    /// Compares the spindle speed during the last revolution-timed move with the speed assumed for it.
-    pub(crate) fn compare_last_speed(&mut self) -> Acted {
-        self.kernel.compare_last_speed()
-    }
-
-    /// Changes the command of the spindle, logs it, and lets the spindle run up.
-    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut SpindleCommand)) -> Acted {
-        self.kernel.command_spindle(change)
-    }
-
-    /// Selects or loads a tool, or changes its offset.
-    pub(crate) fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
-        self.kernel.tool_event(action, tool, offset, ns)
-    }
-
-    /// Reports the known data of the active tool if they have changed.
-    pub(crate) fn report_tool(&mut self) {
-        report_tool(&mut self.kernel.channel, &self.kernel.macros, self.kernel.plan.hooks.is_some());
-    }
-
-    /// Tools and heads have a macro that is on.
-    pub(crate) fn has_tool_macro(&self) -> bool {
-        self.kernel.macros.ready(Hook::Tool).is_some()
-    }
-
-    /// Selects (1) or loads (2) a head.
-    pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
-        self.kernel.head_event(kind, id)
-    }
-
-    /// Makes a hole, by way of its macro if there is one.
-    pub(crate) fn cycle_event(&mut self, hole: &CycleHole) -> Acted {
-        self.kernel.cycle_event(hole)
-    }
-
-    /// Whether a macro of the machine is running.
-    pub(crate) fn is_inside_macro(&self) -> bool {
-        !self.kernel.macros.calls.running.is_empty()
-    }
-
-    /// Makes the sum of all offsets active; the machine does not move.
-    pub(crate) fn reframe(&mut self) {
-        self.kernel.reframe();
-    }
-
-    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
-    pub(crate) fn set_offset(
-        &mut self,
-        table: OffsetTable,
-        number: u32,
-        values: counterpoint_event::event::Position,
-    ) -> bool {
-        self.kernel.set_offset(table, number, values)
-    }
-
-    /// Finishes the move that compensation keeps back, without knowing the next one.
-    pub(crate) fn flush_lookahead(&mut self) -> Acted {
-        self.kernel.flush_lookahead()
-    }
-
-    /// Takes whole turns off the position of an axis; nothing moves.
-    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: counterpoint_channel::clamps::Modulo) {
-        self.kernel.unwind_axis(axis, modulo);
-    }
-}
-
-/// Requests to the flow of the program, which act at the end of the block, and to the other channels.
-impl ActionContext<'_, '_> {
-    /// Subprograms that are running, with the main program.
-    pub(crate) fn call_depth(&self) -> usize {
-        self.kernel.flow.frames.len()
-    }
-
-    /// Passes of a repeat word.
-    pub(crate) fn passes(&mut self, count: f64) -> u32 {
-        self.kernel.passes(count)
-    }
-
-    /// Calls a program by its number.
-    pub(crate) fn call_program(&mut self, number: u32, passes: u32) {
-        self.call(Callee::Program(number), passes);
-    }
-
-    /// Calls a program whose passes are copies of a figure.
-    pub(crate) fn call_figure(&mut self, program: u32, passes: u32, figure: Box<CopiedFigure>) {
-        self.kernel.ask(Pending::Figure { program, passes, figure });
-    }
-
-    /// Calls a program by its number, from a sequence number on.
-    pub(crate) fn call_program_from(&mut self, number: u32, first: u32, passes: u32) {
-        self.call(Callee::ProgramFrom(number, first), passes);
-    }
-
-    /// Calls a program by its name.
-    pub(crate) fn call_named(&mut self, name: Arc<str>, passes: u32) {
-        self.call(Callee::Named(name), passes);
-    }
-
-    fn call(&mut self, what: Callee, passes: u32) {
-        self.kernel.ask(Pending::Call { what, passes, arguments: None, by: None });
-    }
-
-    /// Calls the blocks from one label or sequence number to another in the current file.
-    pub(crate) fn call_range(&mut self, by_labels: bool, (first, last): (u32, u32), passes: u32) {
-        let what = if by_labels { Callee::Labels(first, last) } else { Callee::Blocks(first, last) };
-        self.kernel.ask(Pending::CallRange { what, passes });
-    }
-
-    /// Calls the blocks of the current program from a sequence number to its return.
-    pub(crate) fn call_from(&mut self, first: u32, passes: u32) {
-        self.kernel.ask(Pending::CallRange { what: Callee::From(first), passes });
-    }
-
-    /// Returns from the subprogram, optionally to a sequence number of the caller.
-    pub(crate) fn return_from(&mut self, target: Option<u32>) {
-        self.kernel.ask(Pending::Return(target));
-    }
-
-    /// Cuts along contour blocks of the program.
-    pub(crate) fn cut_contour(&mut self, cycle: ContourCycle) {
-        self.kernel.ask(Pending::Contour(Box::new(cycle)));
-    }
-
-    /// Passes the data blocks that follow.
-    pub(crate) fn pass_data_blocks(&mut self) {
-        self.kernel.ask(Pending::DataBlocks);
-    }
-
-    /// Ends the program.
-    pub(crate) fn end_program(&mut self, stop: StopCode) {
-        self.kernel.ask(Pending::End(stop));
-    }
-
-    /// Waits for other channels.
-    pub(crate) fn wait_for(&mut self, wait: Wait) -> Acted {
-        self.kernel.wait(wait)
-    }
-
-    /// Couples axes of this channel and another one.
-    pub(crate) fn couple(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
-        self.kernel.couple(pair, parking)
-    }
-
-    /// The same where the program of this channel alone has the code.
-    pub(crate) fn couple_alone(&mut self, pair: CoupledPair, parking: Parking) -> Acted {
-        self.kernel.couple_alone(pair, parking)
-    }
-
-    /// Ends a coupling that only this channel has commanded.
-    pub(crate) fn end_alone(&mut self, pair: CoupledPair) -> Acted {
-        self.kernel.end_alone(pair)
-    }
-
-    /// Whether the program of this channel alone has the code of synchronous control.
-    pub(crate) fn couples_alone(&mut self) -> bool {
-        couples_alone(&mut self.kernel.channel, &self.kernel.flow)
-    }
-
-    /// Ends a coupling.
-    pub(crate) fn end_coupling(&mut self, pair: CoupledPair) -> Acted {
-        self.kernel.end_coupling(pair)
-    }
-
-    /// The alarm for a code that is not allowed for an axis to which moves are added, if one of these is such an axis.
-    pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
-        self.kernel.added_to(moved, alarm)
-    }
-
-    /// Executes an act at which other channels may continue; it is shown as this wait would be.
-    pub(crate) fn let_continue(&mut self, deed: wait::WaitOp, shown: Wait) -> Acted {
-        self.kernel.let_continue(deed, shown)
-    }
-}

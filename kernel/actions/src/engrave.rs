@@ -44,7 +44,7 @@ fn engrave(act: &mut ActionContext<'_, '_>) -> Acted {
     let height = value(act, data::ENGRAVE_HEIGHT).unwrap_or(USUAL);
     let plunge = value(act, data::ENGRAVE_PLUNGE);
     let clear = value(act, data::ENGRAVE_CLEAR);
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, target) = programmed_targets(act);
     let Some(text) = text(act, kind)? else { return Ok(()) };
     if let Some(letter) = lettering::unknown(&text) {

@@ -9,7 +9,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect};
 use crate::motion::rapid_to;
 
@@ -31,7 +31,7 @@ fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
 
 /// Makes a feed move to a stop. The approach looks for the stop, too: it is refused where it would pass the stop.
 fn press(act: &mut ActionContext<'_, '_>) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let [approach, beyond] = [data::FIXED_STOP_APPROACH, data::FIXED_STOP_OVERTRAVEL]
         .map(|id| act.take(id).map_or(0.0, |datum| datum.value.abs()));
     act.take(data::FIXED_STOP_FORCE);
@@ -73,7 +73,7 @@ fn approach_and_feed(
 
 /// Makes a move without length: the axes must already be at the stop.
 fn stand(act: &mut ActionContext<'_, '_>, coded: u8, at: Position) -> Acted {
-    let feed = act.feed();
+    let feed = act.active_feed();
     let feed = (feed.0.unwrap_or(0.0), feed.1);
     act.travel(0.0, &Motion::straight(MotionKind::Linear, coded, [at, at], feed, 0.0))
 }

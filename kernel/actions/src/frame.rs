@@ -12,7 +12,7 @@ use counterpoint_machine::index::{AxisId, BySlot};
 use counterpoint_program::block::PendingCode;
 
 use super::offset_words::{in_machine_frame, length_changed, put_length};
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::polar_words::without_polar_words;
 

@@ -15,7 +15,7 @@ use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect};
 use crate::motion::rapid_to;
 

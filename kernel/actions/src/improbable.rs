@@ -13,7 +13,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::law::SpindleRotation;
 
 use crate::context::ActionContext;
-use crate::timed_path::{EVEN, TimedPath};
+use counterpoint_channel::timed_path::{EVEN, TimedPath};
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;

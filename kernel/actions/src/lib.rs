@@ -52,7 +52,6 @@ mod sync;
 mod thread;
 mod tilt;
 mod time;
-mod timed_path;
 mod tip;
 mod tool;
 mod tool_offsets;

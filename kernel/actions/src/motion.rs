@@ -17,11 +17,14 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::RetrievedValue;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
+use crate::cutter::angle::by_angle;
+use crate::cutter::compensate;
 use crate::entry::{ActionEntry, CompensationEffect};
-use crate::time::{feed_seconds, rapid_seconds};
-use crate::timed_path::TimedPath;
+use crate::polar_words::put_polar_words;
+use crate::time::feed_seconds;
 use crate::tip::{orient_words, straight_move};
+use counterpoint_channel::timed_path::{TimedPath, rapid_seconds};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -66,7 +69,7 @@ pub(crate) fn linear(act: &mut ActionContext<'_, '_>) -> Acted {
     if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return rapid(act);
     }
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     if act.channel().state.place.frames.is_none() {
         let (coded, target) = plain_targets(act);
         return plain_feed(act, coded, &target, feed, unit);
@@ -77,7 +80,7 @@ pub(crate) fn linear(act: &mut ActionContext<'_, '_>) -> Acted {
 
 /// Straight feed over a multiple of the programmed distance.
 pub(crate) fn linear_times(act: &mut ActionContext<'_, '_>, factor: f64) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, mut target) = straight_targets(act);
     for (to, from) in target.iter_mut().zip(&act.channel().state.place.contour()) {
         let far = from + factor * (*to - from);
@@ -99,26 +102,23 @@ pub(crate) fn go_straight(act: &mut ActionContext<'_, '_>, rapid: bool, coded: u
     plain_feed(act, coded, to, feed, unit)
 }
 
-impl ActionContext<'_, '_> {
-    /// Takes the axis words: bits of coded axes, and the target in the work frame.
+impl StraightSteps for ActionContext<'_, '_> {
     #[inline(always)]
-    pub(crate) fn targets(&mut self) -> (u8, Position) {
+    fn targets(&mut self) -> (u8, Position) {
         if self.channel().state.place.frames.is_some() { targets_in_frames(self) } else { plain_targets(self) }
     }
 
-    /// A straight feed move to a target in the work frame.
-    pub(crate) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+    fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
         if self.channel().state.place.frames.is_some() {
             return feed_in_frames(self, coded, target, feed, unit);
         }
         plain_feed(self, coded, &target, feed, unit)
     }
 
-    /// A rapid move to a target in the work frame, at most at a feed per minute along the path.
-    pub(crate) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
+    fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
         if self.channel().state.place.is_compensated() {
             let step = ProgrammedMove { shape: MoveShape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
-            return self.compensate(step);
+            return compensate(self, step);
         }
         let from = self.channel().state.place.position;
         if target == from {
@@ -134,20 +134,6 @@ impl ActionContext<'_, '_> {
         let moving = moved_axes(self.channel(), coded, &changes);
         let feed = (0.0, FeedUnit::Rapid);
         self.travel(seconds, &Motion::straight(MotionKind::Rapid, moving, [from, target], feed, length))
-    }
-
-    /// Feed of the active mode: the word in the block, otherwise the remembered one.
-    pub(crate) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
-        let (id, unit) = feed_of(self.channel().state.modal.code(group::FEED));
-        match self.take(id) {
-            Some(datum) => {
-                self.channel_mut().state.remembered.remember(id, datum.value);
-                (Some(datum.value), unit)
-            }
-            // Inverse time belongs to its block alone.
-            None if unit == FeedUnit::InverseTime => (None, unit),
-            None => (self.channel().state.remembered.value(id), unit),
-        }
     }
 }
 
@@ -196,7 +182,7 @@ fn plain_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
 #[cold]
 fn targets_in_frames(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
     let (coded, target) = framed_targets(act);
-    let (coded, target) = act.by_angle(coded, target);
+    let (coded, target) = by_angle(act, coded, target);
     act.channel_mut().state.place.ways_travelled(coded);
     (coded, act.channel_mut().state.place.work_point(&target))
 }
@@ -233,7 +219,8 @@ fn framed_targets(act: &mut ActionContext<'_, '_>) -> (u8, Position) {
             let take =
                 |act: &mut ActionContext<'_, '_>, axis| if flat.contains(&axis) { None } else { take_axis(act, axis) };
             let (coded, mut target) = axis_words(act, counted, shift, take);
-            (coded | act.take_polar_words(flat, &counted, &mut target), target)
+            let words = flat.map(|axis| take_axis(act, axis));
+            (coded | put_polar_words(act, words, flat, &counted, &mut target), target)
         }
     };
     if counted != from {
@@ -374,7 +361,7 @@ fn feed_in_frames(
     if act.channel().state.place.is_compensated() {
         // Without a coordinate nothing moves, though the tool is not where the program is.
         let step = ProgrammedMove { shape: MoveShape::Linear, coded, to: target, feed, unit };
-        return if coded == 0 && !opens_line(act.channel_mut()) { Ok(()) } else { act.compensate(step) };
+        return if coded == 0 && !opens_line(act.channel_mut()) { Ok(()) } else { compensate(act, step) };
     }
     let from = act.channel().state.place.position;
     if target == from {
@@ -418,7 +405,7 @@ pub(super) fn straight_to(
     }
     let (feed, unit) = match motion.kind {
         MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
-        _ => act.feed(),
+        _ => act.active_feed(),
     };
     let changes = act.channel().feed_changes(&from, &to);
     let feed_length = act.channel().feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();

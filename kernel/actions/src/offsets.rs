@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect};
 use counterpoint_channel::modal::group;
 use counterpoint_channel::offset_tables::{EXTENDED, OffsetTable, Radii};

@@ -23,12 +23,12 @@ use counterpoint_motion::contour::clearing::{Clearing, begun_where};
 use counterpoint_motion::contour::closed::{ClosedContour, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot};
 
-use crate::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps};
 use crate::entry::ActionEntry;
 use crate::motion::{feed_to_point, programmed_targets, rapid_to_point};
 use crate::time::check_feed;
 use crate::{cutter, turned};
+use counterpoint_channel::circular_move::CircularMove;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::POCKET], |act, _, _| pocket(act))];
@@ -44,7 +44,7 @@ fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
     let finish = value(data::POCKET_FINISH).unwrap_or(0.0);
     let (level, clear) = (value(data::POCKET_LEVEL), value(data::POCKET_CLEAR));
     super::tool_offsets::take_diameter(act);
-    let feed = act.feed();
+    let feed = act.active_feed();
     let (coded, target) = programmed_targets(act);
     let Some((plane, z)) = axes(act) else { return refuse(act, "the plane of X and Y is not active") };
     if act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {

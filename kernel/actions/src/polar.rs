@@ -5,7 +5,6 @@
 
 use counterpoint_channel::alarm_effect::STRAIGHT;
 use counterpoint_channel::axis_rates::at_rates;
-use counterpoint_channel::channel_axis::ChannelAxis;
 use counterpoint_channel::frame_transforms::PolarInterpolation;
 use counterpoint_channel::modal::{group, plane};
 use counterpoint_channel::round_centre::way_round;
@@ -16,14 +15,14 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::arc as geometry;
-use counterpoint_program::block::RetrievedValue;
 
-use super::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps, StraightSteps};
 use crate::entry::ActionEntry;
 use crate::motion::{moved_axes, programmed_targets};
 use crate::time::feed_seconds;
-use crate::timed_path::TimedPath;
+use counterpoint_channel::circular_move::CircularMove;
+use counterpoint_channel::timed_path::TimedPath;
+use counterpoint_motion::frame::circle::circle_in_plane;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -95,7 +94,7 @@ fn axes(act: &ActionContext<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
 
 /// A circle on the part. Its plane is that of the part, regardless of the active plane.
 pub(crate) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, clockwise: bool) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, target) = programmed_targets(act);
     let radius = act.take(data::ARC_RADIUS).map(|d| d.value);
     let offsets = center_words(act, &polar).map(|id| id.and_then(|id| act.take(id)).map(|d| d.value));
@@ -144,7 +143,7 @@ pub(crate) fn arc(act: &mut ActionContext<'_, '_>, polar: PolarInterpolation, cl
     }
     let local = local.filter(|_| !polar.is_cylinder());
     let level = act.channel().state.place.seen(&programmed)[2];
-    let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
+    let Some(made) = local.map_or(Some(made), |map| circle_in_plane(&map, made, level)) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_SCALED, text);
@@ -171,38 +170,6 @@ fn center_words(act: &ActionContext<'_, '_>, polar: &PolarInterpolation) -> [Opt
         _ => data::ARC_CENTER_Y,
     };
     polar.axes().map(|axis| polar.cartesian.then_some(id(axis)))
-}
-
-impl ActionContext<'_, '_> {
-    /// Takes the word of an axis of the interpolation, in the axis's own unit.
-    pub(crate) fn take_polar(&mut self, polar: PolarInterpolation, axis: AxisSlot) -> Option<RetrievedValue> {
-        let ChannelAxis { data: id, scale, .. } = self.channel().state.place.layout.axes[axis];
-        let registers = |id: DataId| self.registers_of(id);
-        if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
-            // A word across is none of the axis that has its letter.
-            return None;
-        }
-        let own = match (axis == polar.linear, axis == polar.rotary, polar.cartesian) {
-            (true, ..) if polar.is_cylinder() => None,
-            (true, _, true) => Some(data::C2P_INTERP_X),
-            (true, _, false) => Some(data::C2P_INTERP_PLRX),
-            (_, true, true) => Some(data::C2P_INTERP_Y),
-            _ => None,
-        };
-        // The words of the interpolation are radii.
-        let scale = if polar.is_cylinder() { 1.0 } else { scale };
-        let radius =
-            own.and_then(|own| self.take(own)).map(|datum| RetrievedValue { value: datum.value / scale, ..datum });
-        let spare =
-            axis == polar.rotary && polar.cartesian && self.channel().state.place.axis_of_data(data::AXIS_Y).is_none();
-        let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
-        across.or_else(|| {
-            // A word of the rotary axis itself is in degrees, but the value taken here is the length along the circle.
-            let degrees = axis == polar.rotary && polar.cartesian;
-            let way = polar.per_degree().filter(|_| degrees).unwrap_or(1.0);
-            self.take(id).map(|datum| RetrievedValue { value: datum.value * way, ..datum })
-        })
-    }
 }
 
 /// A circle of the part from where the axes are, which `circle.to` has gone round already.

@@ -13,7 +13,6 @@ use counterpoint_program::block::RetrievedValue;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, CompensationEffect};
-use crate::motion::take_axis;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -29,24 +28,27 @@ fn switch(act: &mut ActionContext<'_, '_>, on: bool) -> Acted {
     super::mode::mode(act, if on { "polar words on" } else { "polar words off" })
 }
 
-impl ActionContext<'_, '_> {
-    /// Takes their words and puts the point into a target; returns the bits of the axes that it sets.
-    pub(crate) fn take_polar_words(&mut self, axes: [AxisSlot; 2], from: &Position, target: &mut Position) -> u8 {
-        let [radius, angle] = axes.map(|axis| take_axis(self, axis));
-        let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-        let is_distance = |word: &RetrievedValue| word.incremental || relative && !word.absolute;
-        let words = PolarWords {
-            radius: radius.map(|word| (word.value, is_distance(&word))),
-            // An angle has no unit of length.
-            angle: angle.map(|word| (word.raw, is_distance(&word))),
-        };
-        self.channel_mut().state.place.frames().words = Some(words);
-        if radius.is_none() && angle.is_none() {
-            return 0;
-        }
-        words.put(&self.channel().state.place, axes, from, target);
-        axes[0].bit() | axes[1].bit()
+/// Puts the words of axes into force, and the point into a target; returns the bits of the axes that it sets.
+pub(crate) fn put_polar_words(
+    act: &mut ActionContext<'_, '_>,
+    [radius, angle]: [Option<RetrievedValue>; 2],
+    axes: [AxisSlot; 2],
+    from: &Position,
+    target: &mut Position,
+) -> u8 {
+    let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let is_distance = |word: &RetrievedValue| word.incremental || relative && !word.absolute;
+    let words = PolarWords {
+        radius: radius.map(|word| (word.value, is_distance(&word))),
+        // An angle has no unit of length.
+        angle: angle.map(|word| (word.raw, is_distance(&word))),
+    };
+    act.channel_mut().state.place.frames().words = Some(words);
+    if radius.is_none() && angle.is_none() {
+        return 0;
     }
+    words.put(&act.channel().state.place, axes, from, target);
+    axes[0].bit() | axes[1].bit()
 }
 
 /// Reads words as positions of axes for once.

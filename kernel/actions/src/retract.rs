@@ -13,7 +13,7 @@ use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::plane::UNITS;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::ActionEntry;
 use crate::motion::rapid_to;
 
@@ -42,7 +42,7 @@ pub(crate) fn rate(act: &mut ActionContext<'_, '_>) -> Rate {
         .iter()
         .any(|pending| act.channel().env.machine.codes[pending.row].id == codes::RAPID)
         || act.channel().state.modal.code(group::MOTION) == Some(codes::RAPID);
-    if rapid { None } else { Some(act.feed()) }
+    if rapid { None } else { Some(act.active_feed()) }
 }
 
 /// Direction from the tip to the spindle: that of the head, on a machine without rotary axes the normal of the plane.

@@ -9,7 +9,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect};
 
 /// Codes with their actions.
@@ -21,7 +21,7 @@ const ALARM: u16 = 86;
 
 /// A probing move.
 pub(crate) fn probe(act: &mut ActionContext<'_, '_>) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, target) = act.targets();
     if coded == 0 {
         return Ok(());

@@ -3,23 +3,18 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
-use counterpoint_channel::channel_context::ChannelContext;
 use counterpoint_channel::laws::note_law;
-use counterpoint_channel::modal::group;
 use counterpoint_channel::plausible::LONGEST_MOVE;
 use counterpoint_channel::spindle::stopped;
-use counterpoint_event::event::{FeedUnit, Position, UnknownLaw};
+use counterpoint_event::event::{FeedUnit, UnknownLaw};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::model::{Dynamics, RapidPath};
-use counterpoint_motion::law::{FeedSchedule, SpeedRamp, SpindleRotation};
-use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
+use counterpoint_motion::law::{FeedSchedule, SpindleRotation};
 use counterpoint_motion::thread::Lead;
 
 use crate::context::ActionContext;
 use crate::improbable::{look_at_feed, look_at_revolutions, report_long_move};
-use crate::timed_path::TimedPath;
+use counterpoint_channel::timed_path::{TimedPath, paced, rapid_seconds};
 
 /// The message about an unusable feed.
 fn lack(feed: Option<f64>) -> (&'static diag::DiagnosticFacts, &'static str) {
@@ -54,43 +49,6 @@ pub(crate) fn note_turning(
         _ => FeedSchedule::Turning { lead, way: path.length, radii, spindle },
     };
     note_law(act.channel_mut(), |law| law.schedule = schedule);
-}
-
-/// Seconds of a rapid move.
-pub(crate) fn rapid_seconds(channel: &ChannelContext<'_>, from: &Position, to: &Position) -> f64 {
-    let changes = if !channel.state.place.couples() {
-        channel.state.place.changes(from, to)
-    } else {
-        channel.state.place.changes(&channel.state.place.machine_point(from), &channel.state.place.machine_point(to))
-    };
-    match channel.env.machine.time.rapid {
-        RapidPath::SlowestAxis => channel
-            .state
-            .place
-            .layout
-            .axes
-            .iter()
-            .zip(&changes)
-            .map(|(axis, change)| {
-                let Dynamics { acceleration, jerk, .. } = axis.dynamics;
-                stop_to_stop_smoothly(*change, axis.rapid, acceleration, jerk)
-            })
-            .fold(0.0, f64::max),
-        RapidPath::Linear => {
-            let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
-            let (mut speed, mut acceleration, mut jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-            for (axis, change) in channel.state.place.layout.axes.iter().zip(&changes) {
-                if *change != 0.0 {
-                    let share = length / change.abs();
-                    speed = speed.min(axis.rapid * share);
-                    acceleration = acceleration.min(axis.dynamics.acceleration.map_or(f64::INFINITY, |a| a * share));
-                    jerk = jerk.min(axis.dynamics.jerk.map_or(f64::INFINITY, |j| j * share));
-                }
-            }
-            let finite = |value: f64| value.is_finite().then_some(value);
-            stop_to_stop_smoothly(length, speed, finite(acceleration), finite(jerk))
-        }
-    }
 }
 
 /// Seconds of a feed move without a usable feed: at the smallest one of the control, otherwise those of a rapid
@@ -167,30 +125,6 @@ pub(crate) fn feed_seconds(
         report_long_move(act, seconds);
     }
     Ok(seconds)
-}
-
-/// Seconds at a steady speed, with speed changes at both ends under exact stop.
-fn paced(channel: &mut ChannelContext<'_>, path: &TimedPath<'_>, speed: f64) -> f64 {
-    let exact =
-        channel.block.flags.exact_stop || channel.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
-    // Where moves are planned ahead, the stop is planned as well.
-    if !exact || channel.emitter.has_pace() {
-        return path.length / speed;
-    }
-    let changes = channel.state.place.changes(path.from, path.to);
-    let mut acceleration = f64::INFINITY;
-    for (axis, change) in channel.state.place.layout.axes.iter().zip(&changes) {
-        if *change != 0.0
-            && let Some(a) = axis.dynamics.acceleration
-        {
-            acceleration = acceleration.min(a * path.length / change.abs());
-        }
-    }
-    if acceleration.is_finite() && path.length > 0.0 {
-        let ramp = SpeedRamp::alone(path.length, speed, acceleration);
-        note_law(channel, |law| law.ramp = Some(ramp));
-    }
-    stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
 }
 
 /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.

@@ -2,17 +2,16 @@
 //!
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
-use counterpoint_channel::channel_context::ChannelContext;
-use counterpoint_channel::frames::clean;
+use counterpoint_channel::frames::tip::least_turning;
 use counterpoint_event::event::{Kind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::index::BySlot;
 use counterpoint_machine::model::paths::DirectionDefault;
-use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, TurnChoice};
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::tool_direction::direction_by_words;
 
 use crate::context::ActionContext;
 use crate::entry::{ActionEntry, entry_of_kind};
@@ -96,32 +95,6 @@ pub(crate) fn orient(act: &mut ActionContext<'_, '_>, format: u8) -> Acted {
     Ok(())
 }
 
-/// Direction of the tool that words of a form mean; `tip`: the programmed tip.
-fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
-    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let turns = |turns: [(Point, f64); 3]| {
-        let mut map = Affine::SAME;
-        for (axis, angle) in turns {
-            map = map.after(&Affine::rotation(axis, angle)?);
-        }
-        Some(map.direction(z))
-    };
-    match format {
-        2 => Some([a, b, c]),
-        3 => {
-            let [p, q, r] = tip;
-            Some([a - p, b - q, c - r])
-        }
-        // About the fixed X, then Y, then Z.
-        4 => turns([(z, c), (y, b), (x, a)]),
-        // About Z, then the X that has turned, then the Z that has turned.
-        5 => turns([(z, a), (x, b), (z, c)]),
-        // About X, then the Y and the Z that have turned.
-        6 => turns([(x, a), (y, b), (z, c)]),
-        _ => None,
-    }
-}
-
 /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip,
 /// one that turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
 #[inline(always)]
@@ -196,12 +169,12 @@ pub(crate) fn orient_words(act: &mut ActionContext<'_, '_>, coded: u8, mut targe
         *slot = values;
     }
     let tip = act.channel().state.place.geometry(&act.channel().state.place.program_point(&target));
-    let wanted = direction(format, values, tip);
+    let wanted = direction_by_words(format, values, tip);
     let wanted = wanted.map(|wanted| match act.channel().state.place.frames.as_deref() {
         Some(frames) => frames.direction(wanted),
         None => wanted,
     });
-    let Some(solution) = wanted.and_then(|wanted| shortest(act.channel(), wanted)) else {
+    let Some(solution) = wanted.and_then(|wanted| least_turning(act.channel(), wanted)) else {
         let text = format!(
             "the rotary axes cannot reach the tool direction of '{}'; they do not move",
             act.channel().block_text()
@@ -215,42 +188,4 @@ pub(crate) fn orient_words(act: &mut ActionContext<'_, '_>, coded: u8, mut targe
         coded |= axis.bit();
     }
     (coded, target)
-}
-
-/// The solution with the least turning that stays within the limits, near where the axes are.
-pub(crate) fn shortest(channel: &ChannelContext<'_>, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
-    let chain = channel.chain();
-    let rule = PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays };
-    let pairs = chain.pairs(direction, &rule, |axis| channel.state.place.stand(axis));
-    let any = !pairs.iter().any(|pair| pair.inside);
-    let pick = pairs.iter().filter(|pair| any || pair.inside);
-    let chosen = chain.choose(pick, &rule, |axis| channel.state.place.stand(axis))?;
-    let work = |(axis, angle): &(AxisSlot, f64)| {
-        let stands = channel.state.place.position.at(*axis);
-        (*axis, clean(angle - channel.state.place.shift.at(*axis), stands) + 0.0)
-    };
-    Some(chosen.angles.iter().map(work).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use counterpoint_lang::format::wildcard_text;
-
-    use super::*;
-
-    fn shown(point: Point) -> String {
-        point.map(|value| wildcard_text((value * 1e9).round() / 1e9)).join(" ")
-    }
-
-    #[test]
-    fn forms_of_the_direction() {
-        let of = |format, values| shown(direction(format, values, [1.0, 2.0, 3.0]).unwrap());
-        assert_eq!(of(2, [0.0, 0.0, 5.0]), "0 0 5");
-        assert_eq!(of(3, [1.0, 2.0, 13.0]), "0 0 10");
-        assert_eq!(of(4, [90.0, 0.0, 0.0]), "0 -1 0");
-        assert_eq!(of(4, [0.0, 90.0, 90.0]), "0 1 0");
-        assert_eq!(of(5, [90.0, 90.0, 0.0]), "1 0 0");
-        assert_eq!(of(6, [90.0, 90.0, 0.0]), "1 0 0");
-        assert_eq!(direction(4, [f64::NAN, 0.0, 0.0], [0.0; 3]), None);
-    }
 }

@@ -5,89 +5,38 @@
 //! scales in the plane do not give a circle: that is reported, and the end is reached straight.
 
 use counterpoint_channel::alarm_effect::STRAIGHT;
-use counterpoint_channel::modal::{Plane, plane};
+use counterpoint_channel::modal::Plane;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_event::info::MachineUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::circle::CircleSides;
 use nalgebra::Vector3;
 
-use super::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps};
 use crate::motion::feed_to_point;
-
-/// Parts of a direction below this are none.
-const FLAT: f64 = 1e-9;
+use counterpoint_channel::circular_move::CircularMove;
 
 /// Most straight pieces of a circle.
 const MOST_PIECES: f64 = 20_000.0;
 
-/// The two directions of a circle's plane as they are in the work frame.
-struct Sides {
-    first: Vector3<f64>,
-    second: Vector3<f64>,
-    /// How many times as large the circle is.
-    scale: f64,
-}
-
 /// Makes a circle whose points are those of the program.
 pub(crate) fn circle(act: &mut ActionContext<'_, '_>, plane: Plane, circle: &CircularMove) -> Acted {
     let map = act.channel().state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
-    let Some(sides) = sides(&map, plane) else {
+    let Some(sides) = CircleSides::under(&map, [plane.first, plane.second]) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return feed_to_point(act, circle.coded, circle.to, circle.feed, circle.unit);
     };
     let work = act.channel().state.place.contour();
-    match roles(&sides) {
+    match sides.roles() {
         Some(roles) => flat(act, &map, (plane, roles), (circle, sides.scale), work),
         None => leaning(act, plane, circle, sides.scale),
     }
-}
-
-/// The sides of the plane, if a circle stays a circle.
-fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
-    let side = |role: usize| Vector3::from(map.direction(Vector3::ith(role, 1.0).into()));
-    let (first, second) = (side(plane.first), side(plane.second));
-    let (one, other) = (first.norm_squared(), second.norm_squared());
-    let same = (one - other).abs() <= FLAT * one && first.dot(&second).abs() <= FLAT * one;
-    same.then_some(Sides { first, second, scale: one.sqrt() })
-}
-
-/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is not a
-/// circle there.
-pub(crate) fn on_part(map: &Affine, made: geometry::PlaneArc, level: f64) -> Option<geometry::PlaneArc> {
-    if *map == Affine::SAME {
-        return Some(made);
-    }
-    let sides = plane(codes::PLANE_XY).and_then(|plane| sides(map, plane))?;
-    if roles(&sides) != Some([0, 1]) {
-        return None;
-    }
-    let [cx, cy] = made.center;
-    let [x, y, _] = map.point([cx, cy, level]);
-    let spoke = map.direction([libm::cos(made.start_angle), libm::sin(made.start_angle), 0.0]);
-    let ([a, b, _], [c, d, _]): (Point, Point) = (sides.first.into(), sides.second.into());
-    Some(geometry::PlaneArc {
-        center: [x, y],
-        radius: made.radius * sides.scale,
-        start_angle: libm::atan2(spoke[1], spoke[0]),
-        sweep: if a * d - b * c < 0.0 { -made.sweep } else { made.sweep },
-    })
-}
-
-/// The roles of the two axes whose plane the circle lies in.
-fn roles(sides: &Sides) -> Option<[usize; 2]> {
-    let flat = |role: usize| {
-        let part = |side: &Vector3<f64>| side.get(role).is_some_and(|part| part.abs() <= FLAT * sides.scale);
-        part(&sides.first) && part(&sides.second)
-    };
-    [(2, [0, 1]), (1, [2, 0]), (0, [1, 2])].into_iter().find(|(normal, _)| flat(*normal)).map(|(_, roles)| roles)
 }
 
 /// A circle that lies in the plane of two axes.

@@ -4,5 +4,6 @@
 //! action a code has. *Invariant:* modules depend only on modules below them, and none of them knows the actions,
 //! the macro host or the check without a run: the kernel reaches these through the tables of its plan.
 
+pub mod action_context;
 pub mod channel;
 pub mod pipeline;

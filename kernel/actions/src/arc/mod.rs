@@ -36,10 +36,10 @@ use counterpoint_machine::model::paths::MultiTurnCircles;
 use counterpoint_motion::arc as geometry;
 use counterpoint_program::block::PendingCode;
 
-use super::circular_move::CircularMove;
 use super::circular_move::not_made;
 use super::turned;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps, ThreadSteps};
+use crate::cutter::compensate;
 use crate::entry::ActionEntry;
 use crate::entry::CompensationEffect;
 use crate::entry::entry_of_kind;
@@ -48,10 +48,11 @@ use crate::motion::moved_axes;
 use crate::motion::programmed_targets;
 use crate::polar::circle_of_part;
 use crate::time::feed_seconds;
-use crate::timed_path::TimedPath;
 use counterpoint_channel::axis_rates::at_rates;
 use counterpoint_channel::axis_rates::feed_down;
+use counterpoint_channel::circular_move::CircularMove;
 use counterpoint_channel::plane_points::ends_by_pole;
+use counterpoint_channel::timed_path::TimedPath;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -124,7 +125,7 @@ pub(crate) fn arc(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &Pending
 fn along(act: &mut ActionContext<'_, '_>, form: ArcForm, code: &PendingCode, screw: Option<Screw>) -> Acted {
     let (feed, unit) = match screw {
         Some(screw) => (Some(screw.lead), FeedUnit::PerRevolution),
-        None => act.feed(),
+        None => act.active_feed(),
     };
     let about_pole = ends_by_pole(act.channel_mut());
     let (coded, target) = programmed_targets(act);
@@ -343,19 +344,15 @@ fn check_radius(act: &mut ActionContext<'_, '_>, radius: f64) {
     }
 }
 
-impl ActionContext<'_, '_> {
-    /// A circle in the work frame.
+impl CircleSteps for ActionContext<'_, '_> {
     #[inline(always)]
-    pub(crate) fn circle_to(&mut self, circle: &CircularMove) -> Acted {
+    fn circle_to(&mut self, circle: &CircularMove) -> Acted {
         if self.channel().state.place.is_compensated() && circle.screw.is_none() {
             let CircularMove { made, axes, turns, coded, to, feed, unit, .. } = *circle;
-            return self.compensate(ProgrammedMove {
-                shape: MoveShape::Circle { made, axes, turns },
-                coded,
-                to,
-                feed,
-                unit,
-            });
+            return compensate(
+                self,
+                ProgrammedMove { shape: MoveShape::Circle { made, axes, turns }, coded, to, feed, unit },
+            );
         }
         if let Some(polar) = self.channel().state.place.polar() {
             return circle_of_part(self, polar, circle);

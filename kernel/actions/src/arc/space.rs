@@ -16,14 +16,14 @@ use counterpoint_motion::space::SpaceArc;
 use counterpoint_results::geometry::spatial;
 
 use super::check_radius;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::motion::moved_axes;
 use crate::time::feed_seconds;
-use crate::timed_path::TimedPath;
+use counterpoint_channel::timed_path::TimedPath;
 
 /// An arc by way of a point.
 pub(crate) fn through(act: &mut ActionContext<'_, '_>) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, target) = act.targets();
     let (said, via) = way_point(act);
     if coded == 0 && said == 0 {

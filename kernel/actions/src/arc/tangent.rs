@@ -13,13 +13,13 @@ use counterpoint_motion::contour::tangent::Tangent;
 use counterpoint_motion::contour::tangent::tangent as leads;
 
 use super::{CircularMove, Flat, active_plane};
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps};
 use crate::motion::{feed_to_point, programmed_targets};
 use crate::turned;
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(crate) fn tangent(act: &mut ActionContext<'_, '_>) -> Acted {
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let (coded, target) = programmed_targets(act);
     if coded == 0 {
         return Ok(());

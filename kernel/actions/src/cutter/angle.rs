@@ -15,6 +15,7 @@ use counterpoint_motion::contour::element::{Element, Spot, cross, direction, plu
 use super::words::polar;
 use super::{ProgrammedMove, compensated_plane};
 use crate::context::ActionContext;
+use crate::cutter::keep_back;
 
 /// Sine of the angle below which lines count as parallel: one degree.
 const PARALLEL: f64 = 0.017_452;
@@ -22,60 +23,58 @@ const PARALLEL: f64 = 0.017_452;
 /// Largest distance of a programmed end from the line of its angle.
 const OFF: f64 = 0.01;
 
-impl ActionContext<'_, '_> {
-    /// The programmed end of a line with an angle: coded axes and target.
-    pub(crate) fn by_angle(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return (coded, target) };
-        let (axes, angle) = (cutter.axes, cutter.asked.angle.take());
-        let open = cutter.waiting.last().and_then(|waiting| waiting.open);
-        if angle.is_none() && open.is_none() {
-            return (coded, target);
-        }
-        let bits = axes.map(AxisSlot::bit);
-        let [first, second] = bits.map(|bit| coded & bit != 0);
-        let from = self.channel().state.place.programmed();
-        let (start, end) = (flat(self.channel(), &from, axes), flat(self.channel(), &target, axes));
-        match (open, angle) {
-            (Some(open), Some(angle)) if first && second => {
-                cross_lines(self, open, (end, direction(angle)), axes);
-            }
-            (Some(_), _) => {
-                let text = format!(
-                    "the line before '{}' has no end: this block needs an angle and both coordinates of its end",
-                    self.channel().block_text()
-                );
-                self.diagnose(&diag::LINE_WITHOUT_END, text);
-                forget_corners(self.channel_mut());
-            }
-            (None, Some(angle)) => {
-                let along = direction(angle);
-                let way = plus(end, start, -1.0);
-                let solved = match (first, second) {
-                    (false, false) => {
-                        let open = OpenLine { from, along };
-                        if let Some(cutter) = self.channel_mut().state.place.cutter() {
-                            cutter.asked.open = Some(open);
-                        }
-                        return (coded, target);
-                    }
-                    (true, true) => (cross(along, way).abs() <= OFF).then_some(end),
-                    (true, false) => (along[0].abs() > PARALLEL).then(|| plus(start, along, way[0] / along[0])),
-                    (false, true) => (along[1].abs() > PARALLEL).then(|| plus(start, along, way[1] / along[1])),
-                };
-                match solved {
-                    Some(_) if first && second => {}
-                    Some(spot) => {
-                        let missing = usize::from(first);
-                        put_flat(self.channel(), &mut target, (axes, missing), spot);
-                        return (coded | bits[0] | bits[1], target);
-                    }
-                    None => not_computed(self, "the angle and the coordinates do not give its end"),
-                }
-            }
-            (None, None) => {}
-        }
-        (coded, target)
+/// The programmed end of a line with an angle: coded axes and target.
+pub(crate) fn by_angle(act: &mut ActionContext<'_, '_>, coded: u8, mut target: Position) -> (u8, Position) {
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return (coded, target) };
+    let (axes, angle) = (cutter.axes, cutter.asked.angle.take());
+    let open = cutter.waiting.last().and_then(|waiting| waiting.open);
+    if angle.is_none() && open.is_none() {
+        return (coded, target);
     }
+    let bits = axes.map(AxisSlot::bit);
+    let [first, second] = bits.map(|bit| coded & bit != 0);
+    let from = act.channel().state.place.programmed();
+    let (start, end) = (flat(act.channel(), &from, axes), flat(act.channel(), &target, axes));
+    match (open, angle) {
+        (Some(open), Some(angle)) if first && second => {
+            cross_lines(act, open, (end, direction(angle)), axes);
+        }
+        (Some(_), _) => {
+            let text = format!(
+                "the line before '{}' has no end: this block needs an angle and both coordinates of its end",
+                act.channel().block_text()
+            );
+            act.diagnose(&diag::LINE_WITHOUT_END, text);
+            forget_corners(act.channel_mut());
+        }
+        (None, Some(angle)) => {
+            let along = direction(angle);
+            let way = plus(end, start, -1.0);
+            let solved = match (first, second) {
+                (false, false) => {
+                    let open = OpenLine { from, along };
+                    if let Some(cutter) = act.channel_mut().state.place.cutter() {
+                        cutter.asked.open = Some(open);
+                    }
+                    return (coded, target);
+                }
+                (true, true) => (cross(along, way).abs() <= OFF).then_some(end),
+                (true, false) => (along[0].abs() > PARALLEL).then(|| plus(start, along, way[0] / along[0])),
+                (false, true) => (along[1].abs() > PARALLEL).then(|| plus(start, along, way[1] / along[1])),
+            };
+            match solved {
+                Some(_) if first && second => {}
+                Some(spot) => {
+                    let missing = usize::from(first);
+                    put_flat(act.channel(), &mut target, (axes, missing), spot);
+                    return (coded | bits[0] | bits[1], target);
+                }
+                None => not_computed(act, "the angle and the coordinates do not give its end"),
+            }
+        }
+        (None, None) => {}
+    }
+    (coded, target)
 }
 
 /// Moves the pole of polar coordinates from a point, by the words of the block.
@@ -137,5 +136,5 @@ fn cross_lines(act: &mut ActionContext<'_, '_>, open: OpenLine, (end, along): (S
 /// A line without an end waits for the next one.
 pub(crate) fn wait_for_end(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) {
     let corner = act.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.corner.take());
-    act.wait(step, None, corner);
+    keep_back(act, step, None, corner);
 }

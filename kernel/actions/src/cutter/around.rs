@@ -15,7 +15,7 @@ use counterpoint_motion::contour::corner::CornerPath;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distance, plus};
 
 use super::{CutterCompensation, ProgrammedMove};
-use crate::context::ActionContext;
+use crate::context::{ActionContext, AroundSteps};
 use crate::cutter::moves::{cutter_offset, make_links};
 use crate::cutter::smooth::refuse_way;
 
@@ -37,9 +37,8 @@ pub(crate) fn frame_tilts(act: &ActionContext<'_, '_>, plane_code: CodeId) -> bo
     (0..3).zip(zero.iter().zip(along)).any(|(role, (zero, along))| role != normal && (along - zero).abs() > 1e-9)
 }
 
-impl ActionContext<'_, '_> {
-    /// The way around the beginning of a contour from a point behind it (KONT).
-    pub(crate) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<CornerPath>, diag::Halt> {
+impl AroundSteps for ActionContext<'_, '_> {
+    fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<CornerPath>, diag::Halt> {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned().filter(|_| goes_around(self.channel()))
         else {
             return Ok(None);

@@ -102,18 +102,6 @@ fn parts_corner(act: &mut ActionContext<'_, '_>, contour: CompensationEffect, co
     before && !moves && !looked_through && matches!(contour, CompensationEffect::Waits | CompensationEffect::Commands)
 }
 
-impl ActionContext<'_, '_> {
-    /// Reports an inside corner whose first move did not know the second move.
-    pub(crate) fn report_overcut(&mut self, ended: u32) {
-        let text = format!(
-            "the tool has cut into the inside corner before '{}': the move of line {ended} ended at right angles to its \
-             end, because the control did not read ahead to this block",
-            self.channel().block_text()
-        );
-        self.diagnose(&diag::CORNER_OVERCUT, text);
-    }
-}
-
 /// A move of length zero counts for several blocks without a move.
 pub(crate) fn count_zero_move(channel: &mut ChannelContext<'_>, step: &ProgrammedMove) {
     let counts = channel.env.machine.compensation.between.zero_move;

@@ -234,54 +234,55 @@ pub(crate) fn after_thread(act: &mut ActionContext<'_, '_>) {
     }
 }
 
-impl ActionContext<'_, '_> {
-    /// Keeps a move back, and all later events.
-    fn wait(&mut self, step: ProgrammedMove, element: Option<Element>, corner: Option<CornerRequest>) {
-        let ChannelContext { at, block: now, text, .. } = self.channel();
-        let (place, block, clock, micro) = (at.block_place(), at.blocks, at.clock, at.micro);
-        let (exact, end, text) = (now.flags.exact_stop, now.flags.end, text.edited.clone());
-        let open = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.open.take());
-        let smooth = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
-        let first = element.is_some() || open.is_some() || smooth.is_some();
-        if first {
-            let since = self.channel().at.tag();
-            self.channel_mut().emitter.hold(since);
-        }
-        let (events, spindle) = (self.channel().emitter.buffered(), self.channel().state.spindle);
-        let Some(cutter) = self.channel_mut().state.place.cutter() else { return };
-        cutter.contour = step.to;
-        if first {
-            cutter.idle = 0;
-        }
-        cutter.waiting.push(WaitingMove {
-            step,
-            element,
-            corner,
-            open,
-            smooth,
-            place,
-            block,
-            clock,
-            micro,
-            exact,
-            end,
-            text,
-            events,
-            spindle,
-        });
-        self.channel_mut().block.flags.moved = true;
-        self.note_effect();
+/// Keeps a move back, and all later events.
+fn keep_back(
+    act: &mut ActionContext<'_, '_>,
+    step: ProgrammedMove,
+    element: Option<Element>,
+    corner: Option<CornerRequest>,
+) {
+    let ChannelContext { at, block: now, text, .. } = act.channel();
+    let (place, block, clock, micro) = (at.block_place(), at.blocks, at.clock, at.micro);
+    let (exact, end, text) = (now.flags.exact_stop, now.flags.end, text.edited.clone());
+    let open = act.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.open.take());
+    let smooth = act.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
+    let first = element.is_some() || open.is_some() || smooth.is_some();
+    if first {
+        let since = act.channel().at.tag();
+        act.channel_mut().emitter.hold(since);
     }
+    let (events, spindle) = (act.channel().emitter.buffered(), act.channel().state.spindle);
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return };
+    cutter.contour = step.to;
+    if first {
+        cutter.idle = 0;
+    }
+    cutter.waiting.push(WaitingMove {
+        step,
+        element,
+        corner,
+        open,
+        smooth,
+        place,
+        block,
+        clock,
+        micro,
+        exact,
+        end,
+        text,
+        events,
+        spindle,
+    });
+    act.channel_mut().block.flags.moved = true;
+    act.note_effect();
 }
 
-impl ActionContext<'_, '_> {
-    /// Takes a move: it may wait for the next one.
-    pub(crate) fn compensate(&mut self, step: ProgrammedMove) -> Acted {
-        let last = last_move(self.channel(), &step);
-        let done = take_step(self, step);
-        self.channel_mut().state.arcs.last = last;
-        done
-    }
+/// Takes a move: it may wait for the next one.
+pub(crate) fn compensate(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted {
+    let last = last_move(act.channel(), &step);
+    let done = take_step(act, step);
+    act.channel_mut().state.arcs.last = last;
+    done
 }
 
 /// Makes or keeps back a move.
@@ -354,7 +355,7 @@ fn take_step(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted {
     if corner.is_none() && act.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.plain) {
         return without_waiting(act, &step, &element);
     }
-    act.wait(step, Some(element), corner);
+    keep_back(act, step, Some(element), corner);
     Ok(())
 }
 
@@ -406,7 +407,7 @@ fn out_of_plane(act: &mut ActionContext<'_, '_>, step: ProgrammedMove) -> Acted 
     let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
     if !cutter.waiting.is_empty() {
         count_zero_move(act.channel_mut(), &step);
-        act.wait(step, None, None);
+        keep_back(act, step, None, None);
         return Ok(());
     }
     cutter.contour = step.to;

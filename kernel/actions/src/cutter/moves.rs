@@ -24,9 +24,9 @@ use counterpoint_program::block::ContourEnd;
 
 use super::held::HeldShift;
 use super::{CutterCompensation, MoveShape, ProgrammedMove};
-use crate::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, ApproachSteps, AroundSteps, CircleSteps, StraightSteps};
 use crate::cutter::held::{go_to, put_back_events};
+use counterpoint_channel::circular_move::CircularMove;
 
 /// A move as programmed, for circles that continue its direction.
 pub(crate) fn last_move(channel: &ChannelContext<'_>, step: &ProgrammedMove) -> Option<LastMove> {
@@ -104,7 +104,7 @@ pub(crate) fn come_to(act: &mut ActionContext<'_, '_>, step: &ProgrammedMove, el
             if distance(spot_of(act.channel(), &cutter), start) < NOISE {
                 Vec::new()
             } else if turn > 0.0 {
-                act.report_overcut(cutter.ended);
+                report_overcut(act, cutter.ended);
                 vec![Link::Line(start)]
             } else {
                 offset.outside(corner, along, element)
@@ -383,4 +383,14 @@ fn make_link(
 fn arc_start(end: ContourEnd, offset: &Offset, next: &Element) -> Option<Link> {
     let given = matches!(end, ContourEnd::Beside(_)) && next.arc.is_some();
     given.then(|| Link::Line(offset.at_start(next)))
+}
+
+/// Reports an inside corner whose first move did not know the second move.
+fn report_overcut(act: &mut ActionContext<'_, '_>, ended: u32) {
+    let text = format!(
+        "the tool has cut into the inside corner before '{}': the move of line {ended} ended at right angles to its \
+         end, because the control did not read ahead to this block",
+        act.channel().block_text()
+    );
+    act.diagnose(&diag::CORNER_OVERCUT, text);
 }

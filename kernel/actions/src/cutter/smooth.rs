@@ -23,11 +23,12 @@ use counterpoint_motion::arc::PlaneArc;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, cross, distance, plus};
 
 use super::{CompensationStage, CutterCompensation, MoveShape, ProgrammedMove, WaitingMove, corner};
-use crate::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, ApproachSteps};
+use crate::cutter::keep_back;
 use crate::cutter::moves::{cutter_offset, go_round, straight};
 use crate::entry::{ActionEntry, CompensationEffect};
 use crate::time::check_feed;
+use counterpoint_channel::circular_move::CircularMove;
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[
@@ -60,7 +61,7 @@ fn asked(act: &mut ActionContext<'_, '_>, form: ApproachForm, leaves: bool) -> A
     let before = speed_before(act);
     let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
     let own = if unit != FeedUnit::InverseTime && act.block_has(id) {
-        let (feed, unit) = act.feed();
+        let (feed, unit) = act.active_feed();
         Some(ApproachSpeed::Feed(feed, unit))
     } else {
         None
@@ -147,9 +148,8 @@ struct Touch {
     circle: Option<(Spot, f64)>,
 }
 
-impl ActionContext<'_, '_> {
-    /// Makes the path to a contour whose first piece is known now.
-    pub(crate) fn smooth_approach(&mut self, waits: &WaitingMove, smooth: &Smooth, next: Option<&Element>) -> Acted {
+impl ApproachSteps for ActionContext<'_, '_> {
+    fn smooth_approach(&mut self, waits: &WaitingMove, smooth: &Smooth, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let step = &waits.step;
         let Some(next) = next else {
@@ -247,7 +247,7 @@ pub(crate) fn smooth_step(act: &mut ActionContext<'_, '_>, step: ProgrammedMove,
     let in_plane = cutter.axes.iter().any(|axis| step.coded & axis.bit() != 0);
     cutter.smooth = Some(smooth);
     if in_plane {
-        act.wait(step, None, None);
+        keep_back(act, step, None, None);
     } else {
         // Only the height of the contour.
         cutter.contour = step.to;

@@ -89,7 +89,7 @@ fn first(act: &mut ActionContext<'_, '_>, id: CodeId) -> Acted {
         let text = format!("the first block of a contour is a straight move, not '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     }
-    act.feed();
+    act.active_feed();
     act.channel_mut().state.others.turning.reading.first = Some(First { rapid: id == codes::RAPID, coded });
     act.channel_mut().state.place.position = target;
     Ok(())

@@ -53,7 +53,7 @@ pub(crate) fn cycle(act: &mut ActionContext<'_, '_>, plane: &LathePlane, kind: L
         *change = place.map(|place| DepthChange { from: place * across, depth: deep.map(|deep| deep * across) });
         *feed = rate;
     }
-    let feed = act.feed();
+    let feed = act.active_feed();
     let blocks = ContourBlocks::Named { name: shape.name, first: shape.first, last: shape.last, blank: shape.blank };
     let finishes = kind == LapCycle::Finish;
     if finishes && allowance == [0.0; 2] {

@@ -70,7 +70,7 @@ pub(crate) const ENTRIES: &[ActionEntry] = &[
 fn finish(act: &mut ActionContext<'_, '_>) -> Acted {
     let (first, last) = words::blocks(act);
     let blocks = contour_blocks(act, first, last)?;
-    let feed = act.feed();
+    let feed = act.active_feed();
     act.cut_contour(ContourCycle {
         blocks,
         task: ContourTask::Finish { stays: false, off: 0 },
@@ -131,7 +131,7 @@ fn roughing(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool) -> 
         let text = format!("the depth of a level is {depth} in '{}', it must be above 0", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
-    let feed = act.feed();
+    let feed = act.active_feed();
     act.cut_contour(ContourCycle {
         blocks,
         task: ContourTask::Rough(rough.settings, rough.pockets),
@@ -157,7 +157,7 @@ fn repeating(act: &mut ActionContext<'_, '_>, plane: &LathePlane) -> Acted {
         return Err(act.alarm(&diag::CONTOUR_REPEATS, text));
     }
     let relief = act.channel().state.others.turning.relief;
-    let feed = act.feed();
+    let feed = act.active_feed();
     let settings = pattern::PatternRepeatSettings { relief, allowance, passes: repeats as u32 };
     act.cut_contour(ContourCycle { blocks, task: ContourTask::Pattern(settings), feed, feeds: [None; 2] });
     Ok(())
@@ -168,7 +168,7 @@ fn pecking(act: &mut ActionContext<'_, '_>, plane: &LathePlane, along_x: bool) -
         return Ok(());
     }
     let words::PeckWords { steps, relief } = words::pecks(act);
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let from = act.channel().state.place.programmed();
     let (_, target) = programmed_targets(act);
     if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
@@ -196,7 +196,7 @@ fn single(act: &mut ActionContext<'_, '_>, plane: &LathePlane, face: bool, impli
         (turning.end, turning.taper) = ([None; 2], 0.0);
     }
     let taper = words::taper(act, face);
-    let (feed, unit) = act.feed();
+    let (feed, unit) = act.active_feed();
     let from = act.channel().state.place.programmed();
     let (coded, target) = programmed_targets(act);
     let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());

@@ -10,10 +10,10 @@ use counterpoint_machine::ident::codes;
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::turning::{CycleMove, MoveSink};
 
-use crate::circular_move::CircularMove;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, CircleSteps};
 use crate::motion::{feed_to_point, rapid_to_point};
 use crate::{cutter, dwell, turned};
+use counterpoint_channel::circular_move::CircularMove;
 
 /// A cycle that is being cut.
 pub(crate) struct Cutting<'x, 'k, 'a> {

@@ -16,10 +16,10 @@ use counterpoint_motion::turning::CycleMove;
 use counterpoint_motion::turning::MoveSink as _;
 
 use super::moves::{Cutting, round};
-use crate::circular_move::CircularMove;
 use crate::context::ActionContext;
 use crate::cutter;
 use crate::thread::cut_to_point;
+use counterpoint_channel::circular_move::CircularMove;
 
 /// One more pass.
 pub(crate) fn pass(act: &mut ActionContext<'_, '_>) {

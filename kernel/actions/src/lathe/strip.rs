@@ -31,7 +31,7 @@ fn cut(act: &mut ActionContext<'_, '_>, strip: &Strip, reading: &RecordedContour
     let why = match Removal::new(&reading.elements, *strip) {
         Ok(removal) => {
             let [first, into, along] = strip.feeds;
-            let (_, unit) = act.feed();
+            let (_, unit) = act.active_feed();
             let mut cutting =
                 Cutting::new(act, &plane, (Some(first), unit)).with_feeds([Some(into), Some(along)], Vec::new());
             return removal.run(&mut cutting);

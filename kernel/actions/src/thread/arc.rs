@@ -13,7 +13,7 @@ use counterpoint_program::block::PendingCode;
 
 use super::Screw;
 use crate::arc as circle;
-use crate::context::ActionContext;
+use crate::context::{ActionContext, ThreadSteps};
 use crate::thread::lead_seconds;
 
 /// Cuts one pass along a circle.
@@ -37,9 +37,8 @@ pub(crate) fn thread(act: &mut ActionContext<'_, '_>, clockwise: bool, code: &Pe
     Ok(())
 }
 
-impl ActionContext<'_, '_> {
-    /// Seconds of a thread along a circle between two axes of its plane.
-    pub(crate) fn arc_thread_seconds(
+impl ThreadSteps for ActionContext<'_, '_> {
+    fn arc_thread_seconds(
         &mut self,
         to: &Position,
         (made, axes): (&PlaneArc, [AxisSlot; 2]),

@@ -24,11 +24,11 @@ use counterpoint_motion::law::SpindleRotation;
 use counterpoint_motion::thread::Lead;
 use counterpoint_program::block::PendingCode;
 
-use crate::context::ActionContext;
+use crate::context::{ActionContext, StraightSteps};
 use crate::entry::{ActionEntry, CompensationEffect, entry_of_kind};
 use crate::motion::moved_axes;
-use crate::time::{note_turning, rapid_seconds};
-use crate::timed_path::{EVEN, TimedPath};
+use crate::time::note_turning;
+use counterpoint_channel::timed_path::{EVEN, TimedPath, rapid_seconds};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[ActionEntry] = &[

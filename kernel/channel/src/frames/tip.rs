@@ -8,8 +8,9 @@ use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
-use counterpoint_motion::frame::orient::next_to;
+use counterpoint_motion::frame::orient::{FreeAxisPolicy, PairChoice, PairRule, TurnChoice, next_to};
 
+use super::clean;
 use crate::channel_context::ChannelContext;
 use crate::frame_transforms::Tip;
 use crate::position::MotionState;
@@ -222,4 +223,19 @@ impl MotionState {
             limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
         })
     }
+}
+
+/// The solution with the least turning that stays within the limits, near where the axes are.
+pub fn least_turning(channel: &ChannelContext<'_>, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
+    let chain = channel.chain();
+    let rule = PairRule { turns: TurnChoice::Nearest, way: PairChoice::Least, side: None, free: FreeAxisPolicy::Stays };
+    let pairs = chain.pairs(direction, &rule, |axis| channel.state.place.stand(axis));
+    let any = !pairs.iter().any(|pair| pair.inside);
+    let pick = pairs.iter().filter(|pair| any || pair.inside);
+    let chosen = chain.choose(pick, &rule, |axis| channel.state.place.stand(axis))?;
+    let work = |(axis, angle): &(AxisSlot, f64)| {
+        let stands = channel.state.place.position.at(*axis);
+        (*axis, clean(angle - channel.state.place.shift.at(*axis), stands) + 0.0)
+    };
+    Some(chosen.angles.iter().map(work).collect())
 }

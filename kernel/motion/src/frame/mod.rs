@@ -2,7 +2,9 @@
 
 pub mod affine;
 pub mod beside;
+pub mod circle;
 pub mod kinematics;
 pub mod local;
 pub mod orient;
 pub mod plane;
+pub mod tool_direction;
