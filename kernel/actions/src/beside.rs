@@ -10,7 +10,7 @@ pub(crate) const ENTRIES: &[ActionEntry] = &[ActionEntry::of(&[codes::AXES_BESID
 
 fn arrive(act: &mut ActionContext<'_, '_>) -> Acted {
     let Some(beside) = act.channel_mut().state.others.beside.take() else { return Ok(()) };
-    match act.channel().move_beside(&beside) {
+    match act.channel().state.move_beside(&beside) {
         Some(motion) => act.travel(beside.seconds, &motion),
         None => Ok(()),
     }

@@ -91,7 +91,7 @@ fn part(act: &ActionContext<'_, '_>, figure: &CopiedFigure) -> Option<(LocalFram
 /// The frame of the next copy (`on`), or the frame before all copies.
 pub(crate) fn put(act: &mut ActionContext<'_, '_>, figure: &CopiedFigure, on: bool) -> Acted {
     act.flush_lookahead()?;
-    let levels = act.channel_mut().cycle_levels();
+    let levels = act.channel_mut().state.cycle_levels();
     let before = act.channel().counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
     let mut local = figure.base.clone();
@@ -106,7 +106,7 @@ pub(crate) fn put(act: &mut ActionContext<'_, '_>, figure: &CopiedFigure, on: bo
     act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
     act.channel_mut().state.place.keep_ways(before);
-    act.channel_mut().keep_levels(levels);
+    act.channel_mut().state.keep_levels(levels);
     let text = frame_text(act);
     act.channel_mut().emit(0, counterpoint_event::event::Kind::mode(text));
     Ok(())

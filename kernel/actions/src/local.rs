@@ -47,7 +47,7 @@ struct ProgrammedPart {
 
 /// Executes a code of the local frame.
 pub(crate) fn change(act: &mut ActionContext<'_, '_>, part: LocalFramePart, change: FrameChange) -> Acted {
-    let levels = act.channel_mut().cycle_levels();
+    let levels = act.channel_mut().state.cycle_levels();
     let before = act.channel().counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
     let given = match (part, change) {
@@ -73,7 +73,7 @@ pub(crate) fn change(act: &mut ActionContext<'_, '_>, part: LocalFramePart, chan
     act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
     act.channel_mut().state.place.keep_ways(before);
-    act.channel_mut().keep_levels(levels);
+    act.channel_mut().state.keep_levels(levels);
     let text = frame_text(act);
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())

@@ -343,7 +343,7 @@ fn plain_feed(
     let path = TimedPath { from: &from, to: target, length: feed_length, arc: None };
     let mut seconds = feed_seconds(act, &path, feed, unit)?;
     if weighs {
-        seconds = act.channel().seconds_of_group(seconds, &changes);
+        seconds = act.channel().state.place.seconds_of_group(seconds, &changes);
     }
     let length = if weighs { tool_path(act.channel(), &changes) } else { feed_length };
     let feed = (if weighs { act.channel().feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
@@ -373,7 +373,8 @@ fn feed_in_frames(
     let feed = feed_down(act.channel(), feed, unit, &ways, feed_length);
     let path = TimedPath { from: &from, to: &target, length: feed_length, arc: None };
     let seconds = feed_seconds(act, &path, feed, unit)?;
-    let seconds = act.channel().seconds_of_group(at_rates(act.channel(), seconds, &from, &target, None), &changes);
+    let seconds =
+        act.channel().state.place.seconds_of_group(at_rates(act.channel(), seconds, &from, &target, None), &changes);
     let length = feed_path(act.channel(), &changes, feed_length);
     let moving = moved_axes(act.channel(), coded, &act.channel().state.place.changes(&from, &target));
     let feed = (act.channel().feed_of_axes(feed, unit, &changes), unit);
@@ -414,7 +415,7 @@ pub(super) fn straight_to(
     if act.channel().state.place.frames.is_some() {
         seconds = at_rates(act.channel(), seconds, &from, &to, None);
     }
-    seconds = act.channel().seconds_of_group(seconds, &changes);
+    seconds = act.channel().state.place.seconds_of_group(seconds, &changes);
     let length = feed_path(act.channel(), &changes, feed_length);
     let feed = (feed.unwrap_or(0.0), unit);
     Ok((seconds, Motion::straight(MotionKind::Linear, coded, [from, to], feed, length)))

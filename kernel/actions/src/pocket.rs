@@ -89,6 +89,7 @@ fn pocket(act: &mut ActionContext<'_, '_>) -> Acted {
 fn axes(act: &ActionContext<'_, '_>) -> Option<(LathePlane, AxisSlot)> {
     let plane = act
         .channel()
+        .state
         .active_plane()
         .filter(|_| act.channel().state.modal.code(group::PLANE) == Some(codes::PLANE_XY))?;
     let z = act.channel().state.place.layout.cartesian.get(2).copied().flatten()?;

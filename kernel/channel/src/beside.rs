@@ -4,11 +4,10 @@
 //! interpolator and a feed of its own; a block with POS ends when all axes, those of the path too, have arrived.
 //! Decision: the path stops at the end of such a block. *Invariant:* this state is empty when the next block begins.
 
+use crate::ChannelMemory;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::profile::stop_to_stop_smoothly;
-
-use super::channel_context::ChannelContext;
 
 /// Positioning axes of a block.
 #[derive(Debug, Clone, Default)]
@@ -33,18 +32,18 @@ impl PositioningAxes {
     }
 }
 
-impl ChannelContext<'_> {
+impl ChannelMemory {
     /// An axis goes to a position of the program, at a feed per minute or rapidly.
     pub fn go_beside(&mut self, axis: AxisSlot, to: f64, feed: Option<f64>) {
-        let mut point = self.state.place.programmed();
+        let mut point = self.place.programmed();
         *point.at_mut(axis) = to;
-        let target = self.state.place.work_point(&point).at(axis);
-        let from = self.state.place.position.at(axis);
-        let of = &self.state.place.layout.axes[axis];
+        let target = self.place.work_point(&point).at(axis);
+        let from = self.place.position.at(axis);
+        let of = &self.place.layout.axes[axis];
         let speed = feed.map_or(of.rapid, |feed| (feed / 60.0).min(of.rapid));
         let change = (target - from).abs() * of.scale;
         let seconds = stop_to_stop_smoothly(change, speed, of.dynamics.acceleration, of.dynamics.jerk);
-        let beside = self.state.others.beside.get_or_insert_default();
+        let beside = self.others.beside.get_or_insert_default();
         beside.targets.retain(|(other, _)| *other != axis);
         beside.targets.push((axis, target));
         if seconds > beside.seconds || beside.targets.len() == 1 {
@@ -54,7 +53,7 @@ impl ChannelContext<'_> {
 
     /// The move of the positioning axes alone, if any of them moves.
     pub fn move_beside(&self, beside: &PositioningAxes) -> Option<Motion> {
-        let from = self.state.place.position;
+        let from = self.place.position;
         let (kind, feed) = match beside.feed {
             None => (MotionKind::Rapid, (0.0, FeedUnit::Rapid)),
             Some(feed) => (MotionKind::Linear, (feed, FeedUnit::PerMinute)),
@@ -65,9 +64,9 @@ impl ChannelContext<'_> {
     }
 
     fn way_beside(&self, from: &Position, to: &Position) -> f64 {
-        let changes = self.state.place.changes(from, to);
+        let changes = self.place.changes(from, to);
         let sum = |rotary: bool| {
-            let axes = self.state.place.layout.axes.iter().zip(&changes).filter(|(axis, _)| axis.rotary == rotary);
+            let axes = self.place.layout.axes.iter().zip(&changes).filter(|(axis, _)| axis.rotary == rotary);
             axes.map(|(_, change)| change * change).sum::<f64>()
         };
         let linear = sum(false);

@@ -4,6 +4,7 @@
 
 use super::channel_context::ChannelContext;
 use super::position::MotionState;
+use crate::ChannelMemory;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, DataId, code_facts};
 use counterpoint_machine::index::AxisSlot;
@@ -41,18 +42,6 @@ impl ChannelContext<'_> {
     pub fn axis_name(&self, axis: AxisSlot) -> String {
         self.env.machine.axes[self.state.place.layout.axes[axis].machine].letter.to_lowercase()
     }
-
-    /// Follows the groups of clamps after a macro has changed active codes.
-    pub fn follow_clamps(&mut self) {
-        for axis in self.state.place.layout.axes.ids() {
-            let code = CodeId::of_kind(CodeKind::Clamp(self.state.place.layout.axes[axis].data, true));
-            let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
-            let active = self.state.modal.code(group).filter(|_| group != 0);
-            if let Some(CodeKind::Clamp(_, on)) = active.map(CodeId::kind) {
-                self.state.place.set_clamp(axis, on);
-            }
-        }
-    }
 }
 
 impl MotionState {
@@ -65,6 +54,20 @@ impl MotionState {
     pub fn set_clamp(&mut self, axis: AxisSlot, on: bool) {
         let clamped = self.clamped;
         self.clamped = if on { clamped | axis.bit() } else { clamped & !axis.bit() };
+    }
+}
+
+impl ChannelMemory {
+    /// Follows the groups of clamps after a macro has changed active codes.
+    pub fn follow_clamps(&mut self) {
+        for axis in self.place.layout.axes.ids() {
+            let code = CodeId::of_kind(CodeKind::Clamp(self.place.layout.axes[axis].data, true));
+            let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
+            let active = self.modal.code(group).filter(|_| group != 0);
+            if let Some(CodeKind::Clamp(_, on)) = active.map(CodeId::kind) {
+                self.place.set_clamp(axis, on);
+            }
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 //! *Invariant:* heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
-use super::channel_context::ChannelContext;
 use super::modal::group;
+use crate::ChannelMemory;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -227,11 +227,11 @@ impl Cycle {
     }
 }
 
-impl ChannelContext<'_> {
+impl ChannelMemory {
     /// Whether the active code of the cycle group acts on every position.
     pub fn cycle_repeats(&self) -> bool {
-        match self.state.modal.code(group::CYCLE).map(|code| (code, code.kind())) {
-            Some((_, CodeKind::Cycle(_))) => !self.state.cycle.activator,
+        match self.modal.code(group::CYCLE).map(|code| (code, code.kind())) {
+            Some((_, CodeKind::Cycle(_))) => !self.cycle.activator,
             Some((codes::CYCLE_ON, _) | (_, CodeKind::ThreadCycle(_))) => true,
             _ => false,
         }
@@ -239,8 +239,8 @@ impl ChannelContext<'_> {
 
     /// Follows active codes that were set without acting: no cycle code, no cycle.
     pub fn follow_cycle(&mut self) {
-        if self.state.cycle.running && !self.cycle_repeats() {
-            self.state.cycle.end();
+        if self.cycle.running && !self.cycle_repeats() {
+            self.cycle.end();
         }
     }
 }

@@ -59,6 +59,26 @@ impl FeedGroup {
     pub fn weighs(group: Option<&Self>, axes: &IdTable<AxisSlot, ChannelAxis>) -> bool {
         axes.entries().any(|(slot, axis)| axis.rotary || group.is_some_and(|group| group.axes & slot.bit() == 0))
     }
+
+    /// Square of the travel outside the circle that the feed counts: along axes other than those of the circle.
+    pub fn rise(&self, axes: &IdTable<AxisSlot, ChannelAxis>, changes: &Position, circle: [AxisSlot; 2]) -> f64 {
+        let beside = axes.ids().filter(|axis| !circle.contains(axis) && self.axes & axis.bit() != 0);
+        beside.map(|axis| (changes.at(axis) * self.units.at(axis)).powi(2)).sum()
+    }
+
+    /// Seconds of a move at feed; no axis that moves along exceeds its rate.
+    pub fn seconds(&self, axes: &IdTable<AxisSlot, ChannelAxis>, seconds: f64, changes: &Position) -> f64 {
+        axes.entries()
+            .filter(|(axis, _)| self.axes & axis.bit() == 0)
+            .map(|(axis, of)| changes.at(axis).abs() / of.rapid)
+            .filter(|needed| needed.is_finite())
+            .fold(seconds, f64::max)
+    }
+
+    /// Radii of rotary axes make their feed that of a length.
+    pub fn turns_by_length(&self) -> bool {
+        self.has_radii
+    }
 }
 
 impl ChannelContext<'_> {
@@ -74,7 +94,7 @@ impl ChannelContext<'_> {
         if let (Some(group), Some(radii)) = (&mut group, radii) {
             (group.units, group.has_radii) = (radii.units, true);
         }
-        self.put_feed_group(group);
+        self.state.place.put_feed_group(group);
     }
 
     /// Makes a degree of a rotary axis count as the travel at this radius, geometry units.
@@ -84,19 +104,13 @@ impl ChannelContext<'_> {
         let mut group = self.state.place.feed_group.take().unwrap_or_else(all);
         *group.units.at_mut(axis) = radius.to_radians();
         group.has_radii = true;
-        self.put_feed_group(Some(group));
+        self.state.place.put_feed_group(Some(group));
     }
 
     /// Restores the group of the control, as at the start of a program.
     pub fn reset_feed_group(&mut self) {
         let group = FeedGroup::of(self.env.machine, &self.state.place.layout.axes);
-        self.put_feed_group(group);
-    }
-
-    fn put_feed_group(&mut self, group: Option<Box<FeedGroup>>) {
-        let place = &mut self.state.place;
-        place.weighs = FeedGroup::weighs(group.as_deref(), &place.layout.axes);
-        place.feed_group = group;
+        self.state.place.put_feed_group(group);
     }
 
     /// The travel of the axes that the feed counts for.
@@ -123,28 +137,5 @@ impl ChannelContext<'_> {
             }
         }
         out
-    }
-
-    /// Square of the travel outside the circle that the feed counts: along axes other than those of the circle.
-    pub fn rise_that_counts(&self, changes: &Position, circle: [AxisSlot; 2]) -> f64 {
-        let Some(group) = self.state.place.feed_group.as_deref() else { return 0.0 };
-        let beside =
-            self.state.place.layout.axes.ids().filter(|axis| !circle.contains(axis) && group.axes & axis.bit() != 0);
-        beside.map(|axis| (changes.at(axis) * group.units.at(axis)).powi(2)).sum()
-    }
-
-    /// Seconds of a move at feed; no axis that moves along exceeds its rate.
-    pub fn seconds_of_group(&self, seconds: f64, changes: &Position) -> f64 {
-        let Some(group) = self.state.place.feed_group.as_deref() else { return seconds };
-        let along = self.state.place.layout.axes.entries().filter(|(axis, _)| group.axes & axis.bit() == 0);
-        along
-            .map(|(axis, of)| changes.at(axis).abs() / of.rapid)
-            .filter(|needed| needed.is_finite())
-            .fold(seconds, f64::max)
-    }
-
-    /// Radii of rotary axes make their feed that of a length.
-    pub(super) fn turns_by_length(&self) -> bool {
-        self.state.place.feed_group.as_deref().is_some_and(|group| group.has_radii)
     }
 }

@@ -94,9 +94,9 @@ pub fn activate_code(channel: &mut ChannelContext<'_>, id: CodeId) -> Option<Cod
     let group = Some(channel.env.machine.codes[row].group).filter(|group| *group != 0)?;
     let before = channel.state.modal.code(group);
     channel.state.modal.activate(group, id, Some(row));
-    channel.follow_cycle();
+    channel.state.follow_cycle();
     channel.follow_spindle();
-    channel.follow_clamps();
+    channel.state.follow_clamps();
     before
 }
 

@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
-use super::channel_context::ChannelContext;
 use super::modal::{group, plane};
 use super::thread::Screw;
+use crate::ChannelMemory;
 use counterpoint_control_api::NamedContour;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
@@ -211,12 +211,12 @@ impl LathePlane {
     }
 }
 
-impl ChannelContext<'_> {
+impl ChannelMemory {
     /// The active plane; none without its axes.
     pub fn active_plane(&self) -> Option<LathePlane> {
-        let layout = &self.state.place.layout;
+        let layout = &self.place.layout;
         let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
-        let plane = self.state.modal.code(group::PLANE).and_then(plane)?;
+        let plane = self.modal.code(group::PLANE).and_then(plane)?;
         let (first, second) = (plane.first, plane.second);
         let axes = [axis(first)?, axis(second)?];
         Some(LathePlane { axes, scales: axes.map(|axis| layout.axes[axis].scale) })
@@ -224,7 +224,7 @@ impl ChannelContext<'_> {
 
     /// The plane of turning; none without X and Z.
     pub fn lathe_plane(&self) -> Option<LathePlane> {
-        let layout = &self.state.place.layout;
+        let layout = &self.place.layout;
         let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
         let axes = [axis(2)?, axis(0)?];
         Some(LathePlane { axes, scales: axes.map(|axis| layout.axes[axis].scale) })

@@ -43,38 +43,40 @@ impl ChannelContext<'_> {
         }
     }
 
-    /// Factor from programmed positions of X to those of its axis. The program may use radii for a diameter axis, or
-    /// diameters for another axis (reference control-emulator.md 6.2).
-    #[cold]
-    pub fn diameter_factor(&self) -> f64 {
-        match (self.state.modal.code(group::DIAMETER_X), self.state.place.scale_of(0) < 1.0) {
-            (Some(codes::XAXIS_RADIUS), true) => 2.0,
-            (Some(codes::XAXIS_DIAMETER), false) => 0.5,
-            _ => 1.0,
-        }
-    }
-
     /// The same for a word: a distance along X may be a radius though positions are diameters.
     #[cold]
     pub fn position_factor(&self, id: DataId, incremental: bool) -> f64 {
         let relative = incremental || self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-        let is_radius = relative && self.steps_are_radii() && matches!(id.kind(), DataKind::Axis(_));
-        self.diameter_factor() * if is_radius { 2.0 } else { 1.0 }
-    }
-
-    /// Distances along X are radii, though positions are diameters (Siemens DIAM90).
-    #[cold]
-    pub fn steps_are_radii(&self) -> bool {
-        let counts = self.state.modal.code(group::DIAMETER_X) == Some(codes::XAXIS_DIAMETER_ABSOLUTE);
-        counts && self.state.place.scale_of(0) < 1.0
+        let is_radius = relative && self.state.steps_are_radii() && matches!(id.kind(), DataKind::Axis(_));
+        self.state.diameter_factor() * if is_radius { 2.0 } else { 1.0 }
     }
 }
 
 /// Restores saved modal codes: group, code, row.
 pub fn put_modes_back(channel: &mut ChannelContext<'_>, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
     channel.state.modal.restore(saved);
-    channel.follow_cycle();
+    channel.state.follow_cycle();
     channel.follow_spindle();
-    channel.follow_clamps();
+    channel.state.follow_clamps();
     channel.state.secondary = channel.state.says_secondary();
+}
+
+impl ChannelMemory {
+    /// Factor from programmed positions of X to those of its axis. The program may use radii for a diameter axis, or
+    /// diameters for another axis (reference control-emulator.md 6.2).
+    #[cold]
+    pub fn diameter_factor(&self) -> f64 {
+        match (self.modal.code(group::DIAMETER_X), self.place.scale_of(0) < 1.0) {
+            (Some(codes::XAXIS_RADIUS), true) => 2.0,
+            (Some(codes::XAXIS_DIAMETER), false) => 0.5,
+            _ => 1.0,
+        }
+    }
+
+    /// Distances along X are radii, though positions are diameters (Siemens DIAM90).
+    #[cold]
+    pub fn steps_are_radii(&self) -> bool {
+        let counts = self.modal.code(group::DIAMETER_X) == Some(codes::XAXIS_DIAMETER_ABSOLUTE);
+        counts && self.place.scale_of(0) < 1.0
+    }
 }

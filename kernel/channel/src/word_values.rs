@@ -104,7 +104,7 @@ pub fn recall(channel: &ChannelContext<'_>, id: DataId) -> Option<RetrievedValue
 /// Diameter factor for the positions of an axis that have words of their own.
 pub fn axis_diameter_factor(channel: &ChannelContext<'_>, axis: AxisSlot) -> f64 {
     let is_x = channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
-    if is_x && !channel.tables.data.diameter_x.is_empty() { channel.diameter_factor() } else { 1.0 }
+    if is_x && !channel.tables.data.diameter_x.is_empty() { channel.state.diameter_factor() } else { 1.0 }
 }
 
 /// Value that a code hands over, with the factor of its row, in the unit of the program.

@@ -373,9 +373,10 @@ impl CircleSteps for ActionContext<'_, '_> {
             Some(_) => feed_down(self.channel(), feed, unit, &changes, made.length()),
             None => feed,
         };
-        let along = match self.channel().state.place.feed_group {
-            Some(_) => {
-                (made.length() * made.length() + self.channel().rise_that_counts(&changes, [first, second])).sqrt()
+        let along = match &self.channel().state.place.feed_group {
+            Some(group) => {
+                let axes = &self.channel().state.place.layout.axes;
+                (made.length() * made.length() + group.rise(axes, &changes, [first, second])).sqrt()
             }
             None => made.length(),
         };
@@ -388,7 +389,7 @@ impl CircleSteps for ActionContext<'_, '_> {
             seconds = at_rates(self.channel(), seconds, &from, &to, None);
         }
         if screw.is_none() && self.channel().state.place.weighs {
-            seconds = self.channel().seconds_of_group(seconds, &changes);
+            seconds = self.channel().state.place.seconds_of_group(seconds, &changes);
         }
         let moving = moved_axes(self.channel(), coded, &changes) | first.bit() | second.bit();
         self.channel_mut().state.threads.rounds = screw.is_some();

@@ -155,7 +155,7 @@ fn other(act: &mut ActionContext<'_, '_>, row: &CodeRow, _: &PendingCode) -> Act
 
 /// Whether a code selects the plane that the contour is already in, as editors of contours write it.
 fn keeps_plane(act: &ActionContext<'_, '_>, id: CodeId) -> bool {
-    let (Some(own), Some(new)) = (act.channel().state.others.turning.reading.plane, act.channel().active_plane())
+    let (Some(own), Some(new)) = (act.channel().state.others.turning.reading.plane, act.channel().state.active_plane())
     else {
         return false;
     };
@@ -176,7 +176,7 @@ fn across(act: &ActionContext<'_, '_>, axes: [AxisSlot; 2]) -> Option<AxisSlot> 
 /// Records a motion as a piece of the contour.
 pub(crate) fn record(act: &mut ActionContext<'_, '_>, motion: &Motion) -> Acted {
     let own = act.channel().state.others.turning.reading.plane;
-    let Some(plane) = own.or_else(|| act.channel().lathe_plane()) else { return Ok(()) };
+    let Some(plane) = own.or_else(|| act.channel().state.lathe_plane()) else { return Ok(()) };
     let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));
     let arc = match motion.kind {
         MotionKind::ArcCw | MotionKind::ArcCcw => {

@@ -81,7 +81,7 @@ fn finish(act: &mut ActionContext<'_, '_>) -> Acted {
 }
 
 fn cycle(act: &mut ActionContext<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
-    let Some(plane) = act.channel().lathe_plane() else {
+    let Some(plane) = act.channel().state.lathe_plane() else {
         let text = format!(
             "channel {} has no X and Z for the cycle of '{}'",
             act.channel().at.channel,
@@ -264,7 +264,7 @@ fn beside(
 
 /// Cuts along a contour that was read.
 pub(crate) fn cut(act: &mut ActionContext<'_, '_>, cycle: &ContourCycle, reading: RecordedContour) -> Acted {
-    let Some((plane, first)) = act.channel().lathe_plane().zip(reading.first) else {
+    let Some((plane, first)) = act.channel().state.lathe_plane().zip(reading.first) else {
         let text = format!("the contour of '{}' has no move", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     };

@@ -105,7 +105,7 @@ impl MoveSink for Cutting<'_, '_, '_> {
 
 /// Goes to a programmed point at rapid, in the plane of turning.
 pub(crate) fn go_back(act: &mut ActionContext<'_, '_>, to: &Position) -> Acted {
-    let Some(plane) = act.channel().lathe_plane() else { return Ok(()) };
+    let Some(plane) = act.channel().state.lathe_plane() else { return Ok(()) };
     let point = plane.point(to);
     Cutting::new(act, &plane, (None, FeedUnit::Rapid)).go(CycleMove::Rapid(point))
 }

@@ -20,7 +20,8 @@ pub(crate) fn strip(act: &mut ActionContext<'_, '_>, strip: &Strip) -> Acted {
 }
 
 fn cut(act: &mut ActionContext<'_, '_>, strip: &Strip, reading: &RecordedContour) -> Acted {
-    let plane = act.channel().lathe_plane().filter(|plane| reading.plane.is_none_or(|own| own.axes == plane.axes));
+    let plane =
+        act.channel().state.lathe_plane().filter(|plane| reading.plane.is_none_or(|own| own.axes == plane.axes));
     let Some(plane) = plane else {
         let text = format!(
             "the program sets alarm 61606: the contour is not in the plane of Z and X in '{}'",

@@ -2,6 +2,7 @@
 
 use super::FrameTransforms;
 use crate::channel_context::ChannelContext;
+use crate::feed_group::FeedGroup;
 use crate::position::MotionState;
 use counterpoint_event::event::{FeedUnit, MAX_AXES, Position};
 use counterpoint_machine::ident::dimension::Dimension;
@@ -35,11 +36,26 @@ impl ChannelContext<'_> {
         }
         let moves = self.state.place.layout.axes.iter().zip(changes).filter(|(_, change)| **change != 0.0);
         let turns = moves.fold(None, |turns, (axis, _)| Some(turns.unwrap_or(true) && axis.rotary));
-        if turns == Some(true) && !self.turns_by_length() { feed / self.unit_factor(Dimension::Feed) } else { feed }
+        if turns == Some(true) && !self.state.place.feed_group.as_deref().is_some_and(FeedGroup::turns_by_length) {
+            feed / self.unit_factor(Dimension::Feed)
+        } else {
+            feed
+        }
     }
 }
 
 impl MotionState {
+    /// Sets the group that the feed is for.
+    pub(crate) fn put_feed_group(&mut self, group: Option<Box<FeedGroup>>) {
+        self.weighs = FeedGroup::weighs(group.as_deref(), &self.layout.axes);
+        self.feed_group = group;
+    }
+
+    /// Seconds of a move at feed; no axis that moves along exceeds its rate.
+    pub fn seconds_of_group(&self, seconds: f64, changes: &Position) -> f64 {
+        self.feed_group.as_deref().map_or(seconds, |group| group.seconds(&self.layout.axes, seconds, changes))
+    }
+
     /// Change of each axis in geometry units (radius on a diameter axis).
     pub fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* without an active cycle nothing is done.
 
+use crate::ChannelMemory;
 use crate::channel_context::ChannelContext;
 use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -25,17 +26,18 @@ impl ChannelContext<'_> {
         };
         from.at(axis)
     }
+}
 
+impl ChannelMemory {
     /// The levels of an active cycle, taken before frames change.
     pub fn cycle_levels(&mut self) -> Option<CycleLevels> {
-        let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
-        let [initial, reference] =
-            [self.state.cycle.heights.initial, self.state.cycle.heights.reference].map(|level| {
-                let mut at = self.state.place.programmed();
-                *at.at_mut(axis) = level;
-                let work = self.state.place.work_point(&at);
-                self.state.place.machine_point(&work)
-            });
+        let (_, axis) = self.cycle.axis.filter(|_| self.cycle.running)?;
+        let [initial, reference] = [self.cycle.heights.initial, self.cycle.heights.reference].map(|level| {
+            let mut at = self.place.programmed();
+            *at.at_mut(axis) = level;
+            let work = self.place.work_point(&at);
+            self.place.machine_point(&work)
+        });
         Some(CycleLevels { axis, initial, reference })
     }
 
@@ -43,10 +45,10 @@ impl ChannelContext<'_> {
     pub fn keep_levels(&mut self, levels: Option<CycleLevels>) {
         let Some(CycleLevels { axis, initial, reference }) = levels else { return };
         let [initial, reference] = [initial, reference].map(|machine| {
-            let work = self.state.place.point_of_machine(&machine);
-            Some(self.state.place.program_point(&work).at(axis)).filter(|level| level.is_finite())
+            let work = self.place.point_of_machine(&machine);
+            Some(self.place.program_point(&work).at(axis)).filter(|level| level.is_finite())
         });
-        self.state.cycle.heights.initial = initial.unwrap_or(self.state.cycle.heights.initial);
-        self.state.cycle.heights.reference = reference.unwrap_or(self.state.cycle.heights.reference);
+        self.cycle.heights.initial = initial.unwrap_or(self.cycle.heights.initial);
+        self.cycle.heights.reference = reference.unwrap_or(self.cycle.heights.reference);
     }
 }

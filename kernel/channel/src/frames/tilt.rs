@@ -128,14 +128,14 @@ impl ChannelContext<'_> {
     }
 
     fn put_plane(&mut self, tilt: Option<Box<Tilted>>, local: LocalFrame) {
-        let levels = self.cycle_levels();
+        let levels = self.state.cycle_levels();
         let before = self.counts_from();
         self.standing(|channel| {
             let frames = channel.state.place.frames();
             (frames.tilt, frames.local, frames.parts) = (tilt, local, None);
         });
         self.state.place.keep_ways(before);
-        self.keep_levels(levels);
+        self.state.keep_levels(levels);
     }
 
     /// Where tables bring the part and heads the tool at these angles.

@@ -145,9 +145,9 @@ impl ChannelContext<'_> {
                 *tool.at_mut(axis) += part * behind / self.state.place.scale_of(role);
             }
         }
-        let levels = self.cycle_levels();
+        let levels = self.state.cycle_levels();
         self.standing(|channel| channel.state.place.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
-        self.keep_levels(levels);
+        self.state.keep_levels(levels);
     }
 
     /// Switches it off; `false` if it was. The machine does not move.
@@ -155,13 +155,13 @@ impl ChannelContext<'_> {
         if self.state.place.tip().is_none() {
             return false;
         }
-        let levels = self.cycle_levels();
+        let levels = self.state.cycle_levels();
         self.standing(|channel| {
             if let Some(frames) = channel.state.place.frames.as_deref_mut() {
                 frames.tip = None;
             }
         });
-        self.keep_levels(levels);
+        self.state.keep_levels(levels);
         true
     }
 

@@ -42,7 +42,7 @@ impl Kernel<'_> {
         let travels = self.channel.block.flags.travels;
         if self.channel.state.place.frames.is_some() || turns {
             self.flush_for_macro();
-            let levels = self.channel.cycle_levels();
+            let levels = self.channel.state.cycle_levels();
             let mut refused = None;
             self.channel.standing(|channel| {
                 channel.state.place.shift = wanted;
@@ -53,7 +53,7 @@ impl Kernel<'_> {
                 channel.refresh_tip();
                 channel.refresh_tilt();
             });
-            self.channel.keep_levels(levels.filter(|_| !travels));
+            self.channel.state.keep_levels(levels.filter(|_| !travels));
             if refused.is_some() {
                 let text = format!(
                     "the axes of the channel cannot rotate work offset {} in '{}'; the rotation is ignored",

@@ -149,7 +149,7 @@ fn read_blank(kernel: &mut Kernel<'_>, first: u32, last: u32) -> Result<Vec<Elem
 
 /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
 pub(crate) fn read_subprogram(kernel: &mut Kernel<'_>, call: SubprogramCall) -> Acted {
-    let plane = kernel.channel.active_plane();
+    let plane = kernel.channel.state.active_plane();
     let place = kernel.channel.at.block_place();
     kernel.channel.state.others.turning.reads = true;
     let read = read_as_contour(kernel, plane, |kernel| {
@@ -184,7 +184,7 @@ fn read_as_contour(
     let block = kernel.channel.context.enter();
 
     kernel.channel.state.threads.recorded = None;
-    let own = RecordedContour { start: kernel.channel.flat(&start), plane, ..RecordedContour::default() };
+    let own = RecordedContour { start: kernel.channel.state.flat(&start), plane, ..RecordedContour::default() };
     kernel.channel.state.others.turning.reading = own;
     // A feed per minute needs no spindle; moves are only recorded.
     kernel.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);

@@ -44,7 +44,7 @@ pub fn imply_motion(plan: &ExecutionPlan, channel: &mut ChannelContext<'_>, macr
             _ => {}
         }
     }
-    if in_machine || !channel.cycle_repeats() || macros.calls.inside_cycle_macro() {
+    if in_machine || !channel.state.cycle_repeats() || macros.calls.inside_cycle_macro() {
         return queue_by_data(plan, channel, group::MOTION);
     }
     queue_by_data(plan, channel, group::CYCLE);

@@ -178,7 +178,7 @@ impl FrameHost for Kernel<'_> {
         let to = to * program_factor(&self.channel, axis);
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         let factor = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Feed) };
-        self.channel.go_beside(axis, to, feed.map(|feed| feed * factor));
+        self.channel.state.go_beside(axis, to, feed.map(|feed| feed * factor));
     }
 
     fn meet_fixed_stop(&mut self, letter: &str, meets: bool) -> bool {
@@ -246,7 +246,7 @@ impl FrameHost for Kernel<'_> {
     }
 
     fn steps_are_radii(&self) -> bool {
-        self.channel.steps_are_radii()
+        self.channel.state.steps_are_radii()
     }
 
     fn tool_in_force(&self) -> [f64; 2] {
