@@ -3,16 +3,12 @@
 //! Both read the events of a job of the server, or of the output folder of a run.
 
 use std::fmt::Write as _;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use counterpoint_client::ResultDocument;
-use counterpoint_kernel::log::event::SpindleDirection;
-use counterpoint_kernel::log::executions::{Execution, ExecutionFinder};
-use counterpoint_kernel::log::instant::{
-    ActionInstant, AxisValues, ChannelActivity, ChannelInstant, Instant, InstantBuilder, NotAnEvent, SpindleInstant,
-    WaitInstant,
-};
+use counterpoint_kernel::log::executions::{Execution, ExecutionFinder, FoundExecutions};
+use counterpoint_kernel::log::instant::{ChannelInstant, Instant, InstantBuilder, NotAnEvent, parse_time};
 use counterpoint_kernel::log::summary::Summary;
 use serde::Serialize;
 
@@ -23,6 +19,12 @@ use crate::remote::Remote;
 use crate::say::{self, DIM, styled};
 use crate::text::{more, table, time};
 use crate::{job_names, results};
+
+/// Longest line of events that is read, bytes.
+const LONGEST: u64 = 64 << 20;
+
+/// Half of the last digit that reports show of a time, ns.
+const ROUNDING: i64 = 500_000;
 
 /// Largest number of executions listed as text.
 const ROWS: usize = 20;
@@ -39,7 +41,7 @@ impl EventSource {
         if path.is_dir() {
             return Ok(Self::Folder(path.to_path_buf()));
         }
-        if of.contains(['/', '.', '\\']) {
+        if of.is_empty() || of.contains(['/', '.', '\\']) {
             let text = format!("there is no folder '{of}': give the output folder of a run, or the id of a job");
             return Err(Error::Usage(text));
         }
@@ -52,7 +54,7 @@ impl EventSource {
         let bytes = match self {
             Self::Folder(folder) => {
                 let file = folder.join("summary.json");
-                std::fs::read(&file).map_err(Error::file(&file))?
+                std::fs::read(&file).map_err(|error| missing(&file, &error))?
             }
             Self::Job(client, job) => {
                 results::whole(client, job, ResultKind::Summary, 0, OutputFormat::Json.into()).await?
@@ -79,10 +81,11 @@ impl EventSource {
         match self {
             Self::Folder(folder) => {
                 let file = folder.join("events.jsonl");
-                let mut reader = BufReader::new(std::fs::File::open(&file).map_err(Error::file(&file))?);
+                let mut reader = BufReader::new(std::fs::File::open(&file).map_err(|error| missing(&file, &error))?);
                 let mut line = Vec::new();
-                while reader.read_until(b'\n', &mut line).map_err(Error::file(&file))? > 0 {
-                    if !each(line.trim_ascii_end())? {
+                while reader.by_ref().take(LONGEST).read_until(b'\n', &mut line).map_err(Error::file(&file))? > 0 {
+                    let text = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&line);
+                    if !each(text.trim_ascii_end())? {
                         return Ok(());
                     }
                     line.clear();
@@ -107,31 +110,26 @@ impl EventSource {
     }
 }
 
-/// Parses a time in simulated seconds: `12.5`, `12.5s`, `300ms`, `2min`, or as reports show it, `02:05.300`.
-fn instant(text: &str) -> Result<i64, Error> {
-    let wrong = || Error::Usage(format!("'{text}' is not a time: write seconds as 12.5, or 300ms, 2min, 02:05.300"));
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| *value >= 0.0);
-    let seconds = if text.contains(':') {
-        text.split(':').try_fold(0.0, |sum, part| Some(sum * 60.0 + number(part)?))
-    } else {
-        let units = [("ms", 1e-3), ("min", 60.0), ("s", 1.0)];
-        let (value, unit) =
-            units.iter().find_map(|(name, factor)| Some((text.strip_suffix(name)?, *factor))).unwrap_or((text, 1.0));
-        number(value).map(|value| value * unit)
-    };
-    let ns = seconds.map(|seconds| seconds * 1e9).filter(|ns| *ns < 9e18);
-    ns.map(|ns| ns.round() as i64).ok_or_else(wrong)
+/// A file of an output folder that cannot be read.
+fn missing(file: &Path, error: &std::io::Error) -> Error {
+    let hint = "write it with run --out DIR, or with --write summary,events if --write is used";
+    Error::Usage(format!("{} cannot be read: {error}; {hint}", file.display()))
 }
 
 /// Shows the state of a job at an instant.
 pub(crate) async fn at(arguments: At) -> Result<u8, Error> {
-    let t_ns = instant(&arguments.time)?;
+    let wrong = || format!("'{}' is not a time: write seconds as 12.5, or 300ms, 2min, 02:05.300", arguments.time);
+    let mut t_ns = parse_time(&arguments.time).ok_or_else(|| Error::Usage(wrong()))?;
     let source = EventSource::open(&arguments.of, &arguments.remote).await?;
     let summary = source.summary().await?;
     if let Some(number) = arguments.channel
         && !summary.channels.iter().any(|channel| channel.channel == number)
     {
         return Err(Error::Usage(format!("the job has no channel {number}")));
+    }
+    // Reports round times to milliseconds.
+    if t_ns - summary.makespan_ns <= ROUNDING {
+        t_ns = t_ns.min(summary.makespan_ns);
     }
     if t_ns > summary.makespan_ns {
         let (asked, end) = (time(t_ns), time(summary.makespan_ns));
@@ -146,12 +144,16 @@ pub(crate) async fn at(arguments: At) -> Result<u8, Error> {
     }
     let mut builder = InstantBuilder::new(&summary, t_ns);
     source.lines(|line| builder.line(line)).await?;
+    if !builder.has_lines() {
+        let text = format!("the events of '{}' are empty: run the job again", arguments.of);
+        return Err(Error::Usage(text));
+    }
     let mut instant = builder.finish();
     instant.channels.retain(|channel| arguments.channel.is_none_or(|number| number == channel.channel));
     if arguments.json {
         return json(&instant);
     }
-    say::data(shown(&instant, &summary.unit).as_bytes())?;
+    say::data(shown(&instant, &summary).as_bytes())?;
     Ok(0)
 }
 
@@ -161,77 +163,22 @@ fn json(value: &impl Serialize) -> Result<u8, Error> {
     Ok(0)
 }
 
-fn shown(Instant { t_ns, makespan_ns, channels }: &Instant, unit: &str) -> String {
+fn shown(Instant { t_ns, makespan_ns, channels, spindles }: &Instant, summary: &Summary) -> String {
     let mut out = format!("{} of {}\n", time(*t_ns), time(*makespan_ns));
     for channel in channels {
         let ChannelInstant { channel: number, name, state, file, line, .. } = channel;
         let place = if *line == 0 { String::new() } else { format!("  {file}:{line}") };
-        let _ = writeln!(out, "\nchannel {number} {name}  {}{place}", word(*state));
-        out.push_str(&table(&rows(channel, *t_ns, unit), 2));
+        let _ = writeln!(out, "\nchannel {number} {name}  {}{place}", state.text());
+        let known = summary.channels.iter().find(|of| of.channel == *number);
+        let axes = known.map_or(&[][..], |channel| &channel.axes);
+        out.push_str(&table(&channel.rows(*t_ns, (axes, &summary.unit), time), 2));
+    }
+    if !spindles.is_empty() {
+        out.push_str("\nspindles\n");
+        let rows: Vec<Vec<String>> = spindles.iter().map(|spindle| spindle.row(&summary.unit)).collect();
+        out.push_str(&table(&rows, 2));
     }
     out
-}
-
-fn word(state: ChannelActivity) -> &'static str {
-    match state {
-        ChannelActivity::NotStarted => "not started",
-        ChannelActivity::Running => "running",
-        ChannelActivity::Waiting => "waiting",
-        ChannelActivity::Ended => "ended",
-        ChannelActivity::Stopped => "stopped",
-    }
-}
-
-fn rows(channel: &ChannelInstant, t_ns: i64, unit: &str) -> Vec<Vec<String>> {
-    let mut rows = Vec::new();
-    let mut row = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
-    if let Some(WaitInstant { key, since_ns, missing }) = &channel.wait {
-        let missing: Vec<String> = missing.iter().map(u16::to_string).collect();
-        let of = if missing.is_empty() { String::new() } else { format!(", for channel {}", missing.join(", ")) };
-        row("wait", format!("{key} for {}{of}", time(t_ns - since_ns)));
-    }
-    if let Some(ActionInstant { kind, since_ns, until_ns, ends, unknown }) = &channel.action {
-        row("action", format!("{kind} from {} to {}", time(*since_ns), time(*until_ns)));
-        if let (Some([from, to]), Some(reason)) = (ends, unknown) {
-            let why = if *reason == "not_recorded" {
-                "run with --law to record it".to_owned()
-            } else {
-                reason.replace('_', " ")
-            };
-            row("moves", format!("{} to {}, position between them not known ({why})", values(from), values(to)));
-        }
-    }
-    if let Some(position) = &channel.position {
-        row("position", format!("{} {unit}", values(position)));
-    }
-    if channel.tool[0] != 0 {
-        row("tool", format!("{} offset {}", channel.tool[0], channel.tool[1]));
-    }
-    for SpindleInstant { spindle, direction, css, speed, limit } in &channel.spindles {
-        let speed = match direction {
-            SpindleDirection::Clockwise | SpindleDirection::CounterClockwise if *css => {
-                let per_minute = if unit == "inch" { "ft/min" } else { "m/min" };
-                let most = limit.map_or_else(String::new, |limit| format!(", at most {limit} rev/min"));
-                format!(" {speed} {per_minute}{most}")
-            }
-            SpindleDirection::Clockwise | SpindleDirection::CounterClockwise => format!(" {speed} rev/min"),
-            _ => String::new(),
-        };
-        row("spindle", format!("{spindle} {}{speed}", direction.word().replace('_', " ")));
-    }
-    if channel.level > 0 {
-        row("subprogram", format!("level {}", channel.level));
-    }
-    if !channel.modes.is_empty() {
-        row("modes", channel.modes.values().cloned().collect::<Vec<_>>().join(", "));
-    }
-    rows
-}
-
-/// Formats positions as `X 40  Z -12.5`.
-fn values(position: &AxisValues) -> String {
-    let value = |value: &f64| (value * 1e4).round() / 1e4 + 0.0;
-    position.0.iter().map(|(axis, at)| format!("{axis} {}", value(at))).collect::<Vec<_>>().join("  ")
 }
 
 /// Shows when a block was executed.
@@ -241,9 +188,14 @@ pub(crate) async fn times(arguments: Where) -> Result<u8, Error> {
     let (file, line) = place.rsplit_once(':').ok_or_else(wrong)?;
     let line = line.parse().ok().filter(|line| *line > 0 && !file.is_empty()).ok_or_else(wrong)?;
     let source = EventSource::open(&arguments.of, &arguments.remote).await?;
+    let makespan_ns = source.summary().await?.makespan_ns;
     let mut finder = ExecutionFinder::new(file, line);
     source.lines(|line| finder.line(line).map(|()| true)).await?;
-    let found = finder.finish();
+    let FoundExecutions { knows_file, executions: found } = finder.finish(makespan_ns);
+    if !knows_file {
+        let text = format!("no block of '{}' is in a file '{file}': give a file of the job", arguments.of);
+        return Err(Error::Usage(text));
+    }
     if arguments.json {
         json(&found)?;
     } else if found.is_empty() {
@@ -258,33 +210,16 @@ fn listed(place: &str, found: &[Execution]) -> String {
     let sum: i64 = found.iter().map(|execution| execution.dur_ns).sum();
     let plural = if found.len() == 1 { "" } else { "s" };
     let mut out = format!("{place} was executed {} time{plural}, {} in all\n", found.len(), time(sum));
-    let head = ["channel", "from", "to", "takes", "waits"].map(str::to_owned);
-    let row = |Execution { channel, t_ns, dur_ns, wait_ns }: &Execution| {
-        vec![channel.to_string(), time(*t_ns), time(t_ns + dur_ns), time(*dur_ns), time(*wait_ns)]
+    let head = ["channel", "file", "from", "to", "takes", "waits"].map(str::to_owned);
+    let row = |Execution { channel, file, t_ns, end_ns, dur_ns, wait_ns }: &Execution| {
+        let times = [t_ns, end_ns, dur_ns, wait_ns].map(|ns| time(*ns));
+        [channel.to_string(), file.clone()].into_iter().chain(times).collect()
     };
     let rows: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(found.iter().take(ROWS).map(row)).collect();
-    out.push_str(&table(&rows, 1));
+    out.push_str(&table(&rows, 2));
     more(&mut out, found.len(), ROWS, "executions (--json shows all)");
     if found.len() > ROWS {
         let _ = writeln!(out, "{}", styled(DIM, "the sum includes all executions"));
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_instant_is_a_number_of_seconds_or_a_time_of_a_report() {
-        let read = |text| instant(text).map_err(|error| error.to_string());
-        assert_eq!(read("12.5"), Ok(12_500_000_000));
-        assert_eq!(read("300ms"), Ok(300_000_000));
-        assert_eq!(read("2min"), Ok(120_000_000_000));
-        assert_eq!(read("02:05.300"), Ok(125_300_000_000));
-        assert_eq!(read("1:00:00.5"), Ok(3_600_500_000_000));
-        for wrong in ["", "-1", "x", "1:", "nan", "inf", "1e30"] {
-            assert!(read(wrong).is_err_and(|text| text.contains("12.5")), "{wrong}");
-        }
-    }
 }

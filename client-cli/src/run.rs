@@ -49,6 +49,10 @@ async fn carry_out(arguments: RunArgs) -> Result<(v1::JobStatus, Option<u8>), (F
         let text = "--step reads standard input and writes stops to standard output: it goes without --attend, --json and --quiet";
         return Err((FailureStage::Programs, Error::Usage(text.to_owned())));
     }
+    if arguments.inputs.timing.law && arguments.out.is_none() {
+        let text = "--law records laws in the events, which are written to a folder: add --out DIR";
+        return Err((FailureStage::Programs, Error::Usage(text.to_owned())));
+    }
     let piped = pack::reads_standard_input(&arguments.inputs.programs);
     if piped && (arguments.inputs.operator.step || arguments.inputs.operator.attend) {
         let text = "--step and --attend read standard input, which is a program here (-): give the program as a file";

@@ -192,12 +192,18 @@ fn an_instant_and_the_times_of_a_block_are_shown() {
     assert!(status == 0 && text.contains("M101 P12") && text.contains("channel 2"), "{text}");
     assert!(!text.contains("LOWER"), "{text}");
     assert_eq!(ask(&["where", &out, "upper.nc:99"]).0, 1);
+    let (status, text) = ask(&["where", &out, "./upper.nc:4"]);
+    assert!(status == 0 && text.contains("executed 1 time"), "{text}");
+    let (status, text) = ask(&["run", "-q", "--machine", &mine, &upper, &lower, "--law"]);
+    assert!(status == 2 && text.contains("--out DIR"), "{text}");
     for (wrong, hint) in [
         (&["at", &out, "1h"][..], "12.5"),
         (&["at", &out, "99"], "the job ends at"),
         (&["at", &out, "1", "--channel", "9"], "no channel 9"),
         (&["at", "./missing", "1"], "no folder './missing'"),
         (&["where", &out, "upper.nc"], "part.nc:120"),
+        (&["where", &out, "other.nc:3"], "no block"),
+        (&["at", "", "1"], "no folder"),
     ] {
         let (status, text) = ask(wrong);
         assert!(status == 2 && text.contains(hint), "{wrong:?} {text}");

@@ -185,7 +185,17 @@ impl ArcGeometry {
         for (slot, to) in position.iter_mut().zip(&motion.to) {
             *slot += (to - *slot) * share;
         }
-        for (axis, value) in sweep.axes.into_iter().zip(sweep.at(share)) {
+        // The end may be off the circle, by the tolerance of the control: the radius changes evenly up to it.
+        let around = |end: &Position| {
+            let value = |side: usize| {
+                let at = sweep.axes.get(side).copied()?;
+                Some(end.get(at)? * axes.get(at).map(scale)? - sweep.center.get(side)?)
+            };
+            Some(value(0)?.hypot(value(1)?))
+        };
+        let end = around(&motion.to).unwrap_or(sweep.radius);
+        let spiral = Sweep { radius: sweep.radius + (end - sweep.radius) * share, ..sweep };
+        for (axis, value) in spiral.axes.into_iter().zip(spiral.at(share)) {
             if let Some((slot, axis)) = position.get_mut(axis).zip(axes.get(axis)) {
                 *slot = value / scale(axis);
             }

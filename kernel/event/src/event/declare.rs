@@ -1,7 +1,7 @@
 //! Declarations of events: types whose fields say how they are written, in the place where they are declared.
 
 /// Declares a type with its fields: `pub name: Type = number on the wire,`. In brackets after the number may be
-/// `optional` or `added` (see [`FieldType`](super::fields::FieldType)), `wire` for the wire only, `as "name"` for another name
+/// `optional`, `added` or `uncounted` (see [`EventField`](super::fields::EventField)), `wire` for the wire only, `as "name"` for another name
 /// in JSON, `if test` when JSON has the field only if the test of the whole holds. Functions after the type belong to
 /// its [`EventRecord`](super::fields::EventRecord).
 macro_rules! record {
@@ -40,6 +40,9 @@ macro_rules! record {
     };
     (@ $all:ident, $tag:literal, $field:ident, added) => {
         super::fields::EventField::new($tag, stringify!($field)).added()
+    };
+    (@ $all:ident, $tag:literal, $field:ident, uncounted) => {
+        super::fields::EventField::new($tag, stringify!($field)).uncounted()
     };
     (@ $all:ident, $tag:literal, $field:ident, wire) => { super::fields::EventField::wire($tag) };
     (@ $all:ident, $tag:literal, $field:ident, as $name:literal) => {

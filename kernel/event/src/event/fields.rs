@@ -53,6 +53,12 @@ impl EventField {
         Self { json: Presence::NotBlank, digest: Presence::NotBlank, ..self }
     }
 
+    /// A field that the fingerprint does not count, because other fields imply it; JSON leaves it out when blank.
+    #[must_use]
+    pub const fn uncounted(self) -> Self {
+        Self { json: Presence::NotBlank, digest: Presence::Never, ..self }
+    }
+
     /// JSON has it only if `shown`.
     #[must_use]
     pub const fn shown_if(self, shown: bool) -> Self {

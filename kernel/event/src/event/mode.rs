@@ -49,7 +49,7 @@ record! {
         /// The tool offset that comes with it.
         pub offset: Option<OffsetSelection> = 2 [wire],
         /// The axis that a coupling has moved in the meantime.
-        pub carried: Option<Box<CarriedMove>> = 3 [wire],
+        pub carried: Option<Box<CarriedMove>> = 3 [uncounted],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

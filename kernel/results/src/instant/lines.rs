@@ -34,6 +34,11 @@ pub(crate) struct EventLine {
 }
 
 impl EventLine {
+    /// Whether it belongs to a block of the user's own programs, and not to one of a shipped program.
+    pub(crate) fn is_own(&self) -> bool {
+        self.caller_line == 0
+    }
+
     /// The innermost place in the programs of the user; `None` if the event belongs to no block.
     pub(crate) fn user_place(&self) -> Option<(&str, u32)> {
         match (self.caller_line, self.line) {
@@ -251,10 +256,17 @@ pub(crate) struct ToolLine {
     pub(crate) offset: u32,
 }
 
-/// A modal state in words.
+/// A modal state in words, and the axis that a coupling has moved.
 #[derive(Debug, Deserialize)]
 pub(crate) struct ModeLine {
     pub(crate) text: String,
+    pub(crate) carried: Option<CarriedLine>,
+}
+
+/// The place of the channel after another one has moved an axis.
+#[derive(Debug, Deserialize)]
+pub(crate) struct CarriedLine {
+    pub(crate) to: ByAxis,
 }
 
 /// A wait.

@@ -8,6 +8,7 @@ mod lines;
 mod position;
 #[cfg(test)]
 mod tests;
+mod text;
 
 use std::collections::BTreeMap;
 
@@ -22,6 +23,7 @@ pub(crate) use lines::EventLine as LoggedLine;
 use lines::{EventLine, FrameLine, LawLine, LevelLine, ModeLine, MotionLine, PhaseLine, ToolLine, WaitLine};
 
 pub use position::position;
+pub use text::parse_time;
 
 /// A line that is not an event of a job.
 #[derive(Debug)]
@@ -36,6 +38,8 @@ pub struct Instant {
     pub makespan_ns: i64,
     /// Channels, ascending.
     pub channels: Vec<ChannelInstant>,
+    /// The last command of each spindle, by any channel; spindles without a command are left out.
+    pub spindles: Vec<SpindleInstant>,
 }
 
 /// The activity of a channel at an instant.
@@ -50,7 +54,11 @@ pub enum ChannelActivity {
     Waiting,
     /// The program has ended.
     Ended,
-    /// An alarm, a limit or an endless wait has stopped the channel.
+    /// An alarm has stopped the channel.
+    Alarmed,
+    /// The channel is blocked at a wait without end.
+    Blocked,
+    /// A limit, an alarm of the machine or a cancel has stopped the channel.
     Stopped,
 }
 
@@ -72,15 +80,15 @@ pub struct ChannelInstant {
     /// The event in progress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub action: Option<ActionInstant>,
-    /// Positions by axis, as programmed; `None` before the first motion, and during a motion without a law.
+    /// Positions by axis in the work frame, in units of the machine: after work and tool offsets, without programmed
+    /// shifts and rotations, diameters on a diameter axis. `None` before the first motion, during a motion without a
+    /// law, and after a change of a transformation until the next motion.
     pub position: Option<AxisValues>,
-    /// Machine position minus programmed position, by axis; exact unless a frame is rotated.
+    /// Machine position minus position in the work frame, by axis; exact unless a frame is rotated.
     pub shift: AxisValues,
     /// Loaded tool, 0 for none, and its offset.
     pub tool: [u32; 2],
-    /// The last command of each spindle that the channel has commanded.
-    pub spindles: Vec<SpindleInstant>,
-    /// Modal states by the first word of their text, as the listing names them.
+    /// Modal states by the first words of their text, as the listing names them.
     pub modes: BTreeMap<String, String>,
     /// The wait in progress.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -109,6 +117,9 @@ pub struct ActionInstant {
 pub struct SpindleInstant {
     /// Number of the spindle.
     pub spindle: u16,
+    /// The channel that commanded it last.
+    #[serde(default)]
+    pub channel: u16,
     /// Direction.
     pub direction: SpindleDirection,
     /// Whether constant surface speed is active.
@@ -156,13 +167,22 @@ struct ChannelReplay {
     now: ChannelInstant,
     motion: Option<LastMotion>,
     participants: Vec<u16>,
+    /// Transformations between program and axes that are on, by the first word of their modal state.
+    transformed: Vec<String>,
 }
+
+/// First words of modal states of transformations: when one changes, the position in the work frame is another one,
+/// which the next motion tells.
+const TRANSFORMATIONS: [&str; 5] = ["tilt", "rtcp", "cylinder", "c2p", "polar"];
 
 /// Reads the lines of a log up to an instant.
 pub struct InstantBuilder {
     t_ns: i64,
     makespan_ns: i64,
     channels: Vec<ChannelReplay>,
+    spindles: Vec<SpindleInstant>,
+    last_ns: i64,
+    lines: u64,
 }
 
 impl InstantBuilder {
@@ -170,17 +190,34 @@ impl InstantBuilder {
     #[must_use]
     pub fn new(summary: &Summary, t_ns: i64) -> Self {
         let channels = summary.channels.iter().map(ChannelReplay::new).collect();
-        Self { t_ns, makespan_ns: summary.makespan_ns, channels }
+        let makespan_ns = summary.makespan_ns;
+        Self { t_ns, makespan_ns, channels, spindles: Vec::new(), last_ns: i64::MIN, lines: 0 }
     }
 
     /// Reads the next line; `false` if this line and all later lines are after the instant.
     ///
     /// # Errors
-    /// If the line is not an event.
+    /// If the line is not an event of this job.
     pub fn line(&mut self, line: &[u8]) -> Result<bool, NotAnEvent> {
         let event: EventLine = serde_json::from_slice(line).map_err(NotAnEvent)?;
+        let known = event.channel == 0 || self.channels.iter().any(|channel| channel.now.channel == event.channel);
+        let late = event.channel > 0 && event.t_ns > self.makespan_ns;
+        if !known || late || event.t_ns < self.last_ns {
+            let wrong = match known {
+                true => "its time is before that of the line before, or after the end of the job",
+                false => "the summary does not have its channel",
+            };
+            return Err(NotAnEvent(serde::de::Error::custom(wrong)));
+        }
+        (self.last_ns, self.lines) = (event.t_ns, self.lines + 1);
         if event.t_ns > self.t_ns {
             return Ok(false);
+        }
+        if event.kind == "spindle" && event.channel > 0 {
+            let mut spindle: SpindleInstant = serde_json::from_slice(line).map_err(NotAnEvent)?;
+            spindle.channel = event.channel;
+            self.spindles.retain(|known| known.spindle != spindle.spindle);
+            self.spindles.push(spindle);
         }
         if let Some(channel) = self.channels.iter_mut().find(|channel| channel.now.channel == event.channel) {
             channel.event(&event, line, self.t_ns).map_err(NotAnEvent)?;
@@ -188,10 +225,17 @@ impl InstantBuilder {
         Ok(true)
     }
 
+    /// Whether a line has been read.
+    #[must_use]
+    pub fn has_lines(&self) -> bool {
+        self.lines > 0
+    }
+
     /// Returns the state.
     #[must_use]
     pub fn finish(self) -> Instant {
-        let Self { t_ns, makespan_ns, channels } = self;
+        let Self { t_ns, makespan_ns, channels, mut spindles, .. } = self;
+        spindles.sort_by_key(|spindle| spindle.spindle);
         let at_wait = |channel: &ChannelReplay, key: &str| channel.now.wait.as_ref().is_some_and(|w| w.key == key);
         let arrived = |number: u16, key: &str| {
             channels.iter().any(|channel| channel.now.channel == number && at_wait(channel, key))
@@ -204,7 +248,7 @@ impl InstantBuilder {
             })
             .collect();
         let channels = channels.into_iter().zip(missing).map(|(channel, missing)| channel.finish(t_ns, missing));
-        Instant { t_ns, makespan_ns, channels: channels.collect() }
+        Instant { t_ns, makespan_ns, channels: channels.collect(), spindles }
     }
 }
 
@@ -223,11 +267,10 @@ impl ChannelReplay {
             position: None,
             shift,
             tool: [0; 2],
-            spindles: Vec::new(),
             modes: BTreeMap::new(),
             wait: None,
         };
-        Self { axes, now, motion: None, participants: Vec::new() }
+        Self { axes, now, motion: None, participants: Vec::new(), transformed: Vec::new() }
     }
 
     fn event(&mut self, event: &EventLine, line: &[u8], t_ns: i64) -> Result<(), serde_json::Error> {
@@ -259,6 +302,9 @@ impl ChannelReplay {
             "frame" => {
                 let frame: FrameLine = serde_json::from_slice(line)?;
                 self.shift(&frame);
+                if !self.transformed.is_empty() {
+                    self.motion = None;
+                }
             }
             "tool" => {
                 let tool: ToolLine = serde_json::from_slice(line)?;
@@ -268,17 +314,9 @@ impl ChannelReplay {
                     _ => {}
                 }
             }
-            "spindle" => {
-                let spindle: SpindleInstant = serde_json::from_slice(line)?;
-                now.spindles.retain(|known| known.spindle != spindle.spindle);
-                now.spindles.push(spindle);
-                now.spindles.sort_by_key(|spindle| spindle.spindle);
-            }
             "mode" => {
-                let ModeLine { text } = serde_json::from_slice(line)?;
-                // Data that a block sets are not modal states.
-                let first = text.split(' ').next().filter(|first| *first != "set").map(str::to_owned);
-                first.into_iter().for_each(|first| drop(now.modes.insert(first, text.clone())));
+                let mode: ModeLine = serde_json::from_slice(line)?;
+                self.mode(&mode);
             }
             "call" => now.level = serde_json::from_slice::<LevelLine>(line)?.level,
             "return" => now.level = serde_json::from_slice::<LevelLine>(line)?.level.saturating_sub(1),
@@ -296,13 +334,38 @@ impl ChannelReplay {
                 now.state = match serde_json::from_slice::<PhaseLine>(line)?.phase.as_str() {
                     "program_start" => ChannelActivity::Running,
                     "program_end" => ChannelActivity::Ended,
-                    "alarmed" | "stopped" | "blocked" => ChannelActivity::Stopped,
+                    "alarmed" => ChannelActivity::Alarmed,
+                    "blocked" => ChannelActivity::Blocked,
+                    "stopped" => ChannelActivity::Stopped,
                     _ => now.state,
                 };
             }
             _ => {}
         }
         Ok(())
+    }
+
+    fn mode(&mut self, ModeLine { text, carried }: &ModeLine) {
+        let mut words = text.split(' ');
+        let first = words.next().unwrap_or_default();
+        // Data that a block sets are no modal states. Compensations have several: `comp length`, `comp diam`.
+        let key = match words.next() {
+            Some(second) if first == "comp" => format!("{first} {second}"),
+            _ => first.to_owned(),
+        };
+        if first != "set" {
+            self.now.modes.insert(key, text.clone());
+        }
+        if TRANSFORMATIONS.contains(&first) {
+            self.transformed.retain(|known| known != first);
+            if !text.ends_with(" off") {
+                self.transformed.push(first.to_owned());
+            }
+            self.motion = None;
+        }
+        if let (Some(carried), Some(last)) = (carried, &mut self.motion) {
+            last.motion.to = carried.to.position(&self.axes);
+        }
     }
 
     /// Moves the work frame, and converts the last position to the new frame.

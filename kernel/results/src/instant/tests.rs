@@ -6,8 +6,8 @@ use crate::jsonl;
 use crate::testing::{lathe, motion};
 use counterpoint_event::RunEnd;
 use counterpoint_event::event::{
-    AxesLaw, Event, FrameShift, Kind, MAX_AXES, MotionKind, Phase, Primitive, Release, SourcePlace, ToolAction,
-    ToolChange, UnknownLaw, WaitArrival,
+    AxesLaw, CarriedMove, Event, FrameShift, Kind, MAX_AXES, MotionKind, Phase, Primitive, Release, SourcePlace,
+    SpindleChange, ToolAction, ToolChange, UnknownLaw, WaitArrival,
 };
 use counterpoint_motion::law::AxisRamp;
 
@@ -64,19 +64,7 @@ fn events() -> Vec<Event> {
 }
 
 fn state(t_ns: i64) -> Instant {
-    let info = lathe(&["x", "y"]);
-    let mut builder = ResultsBuilder::new(&info);
-    events().iter().for_each(|event| builder.event(event));
-    let summary = builder.finish(&RunEnd { events: 14, cancelled: false, sink_failed: false }).summary;
-    let mut instant = InstantBuilder::new(&summary, t_ns);
-    for (seq, event) in (1..).zip(events()) {
-        let mut line = Vec::new();
-        jsonl::write_event(&info, seq, &event, &mut line);
-        if !instant.line(&line).unwrap() {
-            break;
-        }
-    }
-    instant.finish()
+    read(&lathe(&["x", "y"]), &events(), t_ns)
 }
 
 fn place(channel: &ChannelInstant) -> Option<Vec<f64>> {
@@ -120,12 +108,84 @@ fn a_new_frame_changes_the_programmed_position() {
     assert!(channels.iter().all(|channel| channel.state == ChannelActivity::Ended));
 }
 
+fn read(info: &std::sync::Arc<counterpoint_event::info::Info>, events: &[Event], t_ns: i64) -> Instant {
+    let mut builder = ResultsBuilder::new(info);
+    events.iter().for_each(|event| builder.event(event));
+    let summary = builder.finish(&RunEnd { events: 9, cancelled: false, sink_failed: false }).summary;
+    let mut instant = InstantBuilder::new(&summary, t_ns);
+    for (seq, event) in (1..).zip(events) {
+        let mut line = Vec::new();
+        jsonl::write_event(info, seq, event, &mut line);
+        if !instant.line(&line).unwrap() {
+            break;
+        }
+    }
+    instant.finish()
+}
+
+#[test]
+fn modal_states_spindles_and_moves_that_others_cause() {
+    let info = lathe(&["x", "y"]);
+    let speed = |speed| SpindleChange {
+        spindle: 1,
+        direction: SpindleDirection::Clockwise,
+        css: false,
+        speed,
+        limit: f64::INFINITY,
+        angle: 0.0,
+    };
+    let mut to = Box::new([0.0; MAX_AXES]);
+    to[1] = 80.0;
+    let carried = CarriedMove { from: Box::new([0.0; MAX_AXES]), to, axes: "Z2 with Z1".into() };
+    let mut events = vec![
+        at(1, 0, 0, 0, Kind::Lifecycle(Phase::ProgramStart)),
+        at(2, 0, 0, 0, Kind::Lifecycle(Phase::ProgramStart)),
+        at(1, 0, 0, 1, Kind::Spindle(speed(900.0))),
+        at(2, 0, S, 1, Kind::Motion(motion(MotionKind::Rapid, &[0.0, 0.0], &[0.0, 90.0]))),
+        at(1, 0, 0, 2, Kind::mode("comp workp n=2")),
+        at(1, 0, 0, 2, Kind::mode("comp length n=4")),
+        at(1, S, 0, 3, Kind::mode("comp length off")),
+        at(2, S, 0, 2, Kind::Spindle(speed(1000.0))),
+        at(2, 2 * S, 0, 3, Kind::coupling("synchronous off Z1 Z2 z=80".into(), Some(carried))),
+        at(2, 3 * S, 0, 4, Kind::mode("tilt off")),
+        at(2, 4 * S, 0, 5, Kind::Motion(motion(MotionKind::Rapid, &[0.0, 7.0], &[0.0, 8.0]))),
+    ];
+    events.push(at(1, 9 * S, 0, 9, Kind::Lifecycle(Phase::ProgramEnd)));
+    let state = read(&info, &events, 2 * S);
+    let texts: Vec<&str> = state.channels[0].modes.values().map(String::as_str).collect();
+    assert_eq!(texts, ["comp length off", "comp workp n=2"]);
+    let spindles: Vec<_> = state.spindles.iter().map(|of| (of.spindle, of.channel, of.speed)).collect();
+    assert_eq!(spindles, [(1, 2, 1000.0)], "the newest command of any channel");
+    assert_eq!(place(&state.channels[1]), Some(vec![0.0, 80.0]));
+    assert_eq!(place(&read(&info, &events, 3 * S).channels[1]), None, "until the next motion");
+    assert_eq!(place(&read(&info, &events, 4 * S).channels[1]), Some(vec![0.0, 8.0]));
+}
+
+#[test]
+fn lines_of_another_job_are_refused() {
+    let info = lathe(&["x"]);
+    let events =
+        [at(1, 0, S, 1, Kind::Lifecycle(Phase::ProgramStart)), at(1, S, 0, 2, Kind::Lifecycle(Phase::ProgramEnd))];
+    let mut builder = ResultsBuilder::new(&info);
+    events.iter().for_each(|event| builder.event(event));
+    let summary = builder.finish(&RunEnd { events: 2, cancelled: false, sink_failed: false }).summary;
+    let line = |t_ns: i64, channel: u16| {
+        format!(r#"{{"seq":1,"t_ns":{t_ns},"dur_ns":0,"channel":{channel},"kind":"x","file":"p.nc","line":9}}"#)
+    };
+    let mut instant = InstantBuilder::new(&summary, S);
+    assert!(!instant.has_lines());
+    assert!(instant.line(line(5, 1).as_bytes()).unwrap() && instant.has_lines());
+    for (t_ns, channel) in [(4, 1), (5, 7), (2 * S, 1)] {
+        assert!(instant.line(line(t_ns, channel).as_bytes()).is_err(), "{t_ns} {channel}");
+    }
+}
+
 #[test]
 fn a_line_that_is_no_event_is_an_error_and_unknown_kinds_are_not() {
     let info = lathe(&["x"]);
     let summary =
         ResultsBuilder::new(&info).finish(&RunEnd { events: 0, cancelled: false, sink_failed: false }).summary;
-    let mut instant = InstantBuilder::new(&summary, S);
+    let mut instant = InstantBuilder::new(&summary, 0);
     assert!(instant.line(b"{\"seq\":1}").is_err() && instant.line(b"x").is_err());
     let later = br#"{"seq":1,"t_ns":0,"dur_ns":0,"channel":1,"kind":"other","file":"p.nc","line":9,"new":[1]}"#;
     assert!(instant.line(later).unwrap());
