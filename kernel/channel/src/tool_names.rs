@@ -29,14 +29,20 @@ pub struct NamedTools {
 impl NamedTools {
     /// The number of a name; a new name gets the next one from `first` on, or none after `MOST` names.
     pub fn number(&mut self, name: &str, first: u32) -> Option<u32> {
-        let at = match self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)) {
-            Some(at) => at,
-            None if self.numbered.len() < MOST => {
-                self.numbered.push(name.to_owned());
-                self.numbered.len() - 1
-            }
-            None => return None,
-        };
+        if let Some(number) = self.known(name, first) {
+            return Some(number);
+        }
+        if self.numbered.len() >= MOST {
+            return None;
+        }
+        self.numbered.push(name.to_owned());
+        first.checked_add(self.numbered.len() as u32 - 1)
+    }
+
+    /// The number of a name that has got one.
+    #[must_use]
+    pub fn known(&self, name: &str, first: u32) -> Option<u32> {
+        let at = self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name))?;
         first.checked_add(at as u32)
     }
 
@@ -69,5 +75,6 @@ mod tests {
         }
         assert_eq!(called.number("ANOTHER", 501), None);
         assert_eq!(called.number("t7", 501), Some(508));
+        assert_eq!((called.known("t7", 501), called.known("ANOTHER", 501)), (Some(508), None));
     }
 }

@@ -130,6 +130,9 @@ pub trait FrameHost {
     /// numbers no names.
     fn tool_number(&mut self, name: &str) -> Option<u32>;
 
+    /// The same for a name that a table has or that has a number; none for others, which get no number.
+    fn known_tool(&self, name: &str) -> Option<u32>;
+
     /// A tool is called by a name, which the results show.
     fn name_tool(&mut self, number: u32, name: &str);
 

@@ -20,9 +20,9 @@ use super::{Outcome, Siemens, SiemensBlockError, functions, syntax, wrong_type};
 const LONGEST: usize = 1000;
 
 /// The interpreter and its kernel as the source of values for expressions.
-struct SiemensEvaluator<'s> {
-    siemens: &'s mut Siemens,
-    host: &'s mut dyn InterpreterHost,
+pub(super) struct SiemensEvaluator<'s> {
+    pub(super) siemens: &'s mut Siemens,
+    pub(super) host: &'s mut dyn InterpreterHost,
 }
 
 impl Evaluate<Data, SiemensOp> for SiemensEvaluator<'_> {
@@ -46,6 +46,27 @@ impl Evaluate<Data, SiemensOp> for SiemensEvaluator<'_> {
 
 /// The number of a tool by its name. The macros of the machine know the names that the program has written.
 const TOOL_NAME: &str = "$P_TOOLNAME";
+
+impl SiemensEvaluator<'_> {
+    /// `GETT("NAME",duplo)`: the number of a tool that the program, a table or a call has named; −1 for other names.
+    pub(super) fn named_tool(&mut self, called: &str, duplo: Option<f64>) -> Outcome<Data> {
+        let found = match self.siemens.ask(self.host, &format!("{TOOL_NAME}[\"{called}\"]"), None)? {
+            IdentificationAnswer::Instead(text) => number(&self.siemens.instead(self.host, &text)?)? as i64,
+            _ => self.host.known_tool(called).map_or(-1, i64::from),
+        };
+        match duplo {
+            Some(duplo) if found > 0 && duplo != self.duplo(found)? => Ok(Data::Int(-1)),
+            _ => Ok(Data::Int(found)),
+        }
+    }
+
+    /// `$TC_TP1[t]`, the number of a tool among those of its name; 1 until a program sets it.
+    fn duplo(&mut self, tool: i64) -> Outcome<f64> {
+        let name = whole(&format!("$TC_TP1[{tool}]")).or_else(syntax)?;
+        let value = number(&self.evaluate(&name)?)?;
+        Ok(if value == 0.0 { 1.0 } else { value })
+    }
+}
 
 impl Siemens {
     /// Value of an expression.

@@ -12,7 +12,7 @@ use counterpoint_control_api::numeric::{NumericFunction, NumericOperator};
 use counterpoint_fault as diag;
 
 /// Functions besides those of all controls, with the smallest and the largest number of arguments.
-const FUNCTIONS: [(&str, usize, usize); 28] = [
+const FUNCTIONS: [(&str, usize, usize); 29] = [
     ("ATAN2", 2, 2),
     ("POT", 1, 1),
     ("TRUNC", 1, 1),
@@ -37,6 +37,7 @@ const FUNCTIONS: [(&str, usize, usize); 28] = [
     ("ISAXIS", 1, 1),
     ("ISVAR", 1, 1),
     ("ISFILE", 1, 1),
+    ("GETT", 1, 2),
     ("INT", 1, 1),
     ("REAL", 1, 1),
     ("BOOL", 1, 1),

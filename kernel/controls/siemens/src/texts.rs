@@ -5,6 +5,7 @@
 //! SPRINT.
 
 use super::conversions::number;
+use super::evaluate::SiemensEvaluator;
 use super::number_text::shown;
 use super::value::Data;
 use super::{Outcome, Siemens, SiemensBlockError, syntax, wrong_type};
@@ -96,6 +97,10 @@ impl Siemens {
                 Data::Bool((1.0..4.0).contains(&wanted) && geometry_name(host, wanted as usize - 1).is_some())
             }
             "ISVAR" => Data::Bool(self.is_variable(host, &first()?)?),
+            "GETT" => {
+                let duplo = values.get(1).map(number).transpose()?;
+                SiemensEvaluator { siemens: self, host }.named_tool(&first()?, duplo)?
+            }
             "ISFILE" => Data::Bool(self.has_file(host, &first()?)?),
             "SPRINT" => Data::Text(sprint(&first()?, values.get(1..).unwrap_or_default())?),
             _ => return syntax(format!("function {name} does not exist")),

@@ -234,6 +234,11 @@ impl FrameHost for Kernel<'_> {
         tool.number_of(name).or_else(|| self.channel.state.others.tools.called.number(name, tool.named_from?))
     }
 
+    fn known_tool(&self, name: &str) -> Option<u32> {
+        let (tool, name) = (&self.channel.env.machine.tool, name.trim());
+        tool.number_of(name).or_else(|| self.channel.state.others.tools.called.known(name, tool.named_from?))
+    }
+
     fn name_tool(&mut self, number: u32, name: &str) {
         self.channel.state.others.tools.called.name(number, name.trim());
     }
