@@ -35,6 +35,8 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("%\nO1\nT1 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z5.\nM30\n", "fanuc-mill"),
     ("G90 G0 X10. Y5.\nG1 X20. F100.\nM30\n", "fanuc-mill"),
     ("G90 G94 G1 X2. F100\nM30\n", "fanuc-mill"),
+    // A post-processor without a speed: a length offset is for a tool, not for a laser.
+    ("N40 G0 G90 X0.0 Y8.29 S0 M03\nN50 G43 Z.43 H00\nN70 G1 Z-.23 F9.8\nN80 X7.9 Y7.95\nM30\n", "fanuc-mill"),
     ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-lathe"),
     ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-lathe"),
     ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-lathe"),
